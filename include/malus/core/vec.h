@@ -12,9 +12,15 @@ namespace malus {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-constexpr double to_radians(double degrees) { return degrees * (kPi / 180.0); }
-constexpr double to_degrees(double radians) { return radians * (180.0 / kPi); }
-constexpr double sqr(double x) { return x * x; }
+constexpr double to_radians(double degrees) {
+    return degrees * (kPi / 180.0);
+}
+constexpr double to_degrees(double radians) {
+    return radians * (180.0 / kPi);
+}
+constexpr double sqr(double x) {
+    return x * x;
+}
 
 template <class T>
 struct Vector3 {
@@ -35,9 +41,13 @@ struct Vector3 {
     friend constexpr Vector3 operator-(const Vector3& a, const Vector3& b) {
         return {a.x - b.x, a.y - b.y, a.z - b.z};
     }
-    friend constexpr Vector3 operator*(T s, const Vector3& a) { return {s * a.x, s * a.y, s * a.z}; }
+    friend constexpr Vector3 operator*(T s, const Vector3& a) {
+        return {s * a.x, s * a.y, s * a.z};
+    }
     friend constexpr Vector3 operator*(const Vector3& a, T s) { return s * a; }
-    friend constexpr Vector3 operator/(const Vector3& a, T s) { return {a.x / s, a.y / s, a.z / s}; }
+    friend constexpr Vector3 operator/(const Vector3& a, T s) {
+        return {a.x / s, a.y / s, a.z / s};
+    }
     friend constexpr bool operator==(const Vector3&, const Vector3&) = default;
 };
 
@@ -80,8 +90,8 @@ struct Affine {
 
     Vec3 vector(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
     Vec3 point(const Vec3& p) const { return vector(p) + t; }
-    /// A normal's image up to length: the cofactor matrix, which needs no inverse and keeps the
-    /// outward side outward under mirroring (its sign follows the determinant).
+    /// A normal's image up to length: the cofactor matrix, which needs no inverse. It maps
+    /// (b−a)×(c−a) to the same product of the mapped points, under mirroring too.
     Vec3 normal(const Vec3& n) const {
         return n.x * cross(y, z) + n.y * cross(z, x) + n.z * cross(x, y);
     }

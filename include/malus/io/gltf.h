@@ -3,6 +3,8 @@
 // Checks  everything that the library underneath does not: container, types, ranges, hierarchy,
 //         required extensions, file access. Buffers come only from regular files inside the
 //         scene's own folder. Textures, animations, skins and morph targets are not used.
+// Result  indices in range, positions finite, normals unit, placements finite but perhaps singular
+//         (a scale of zero is legal); at most 1 GiB of buffers and 1 GiB of meshes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

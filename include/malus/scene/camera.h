@@ -7,9 +7,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "malus/core/vec.h"
+#include "malus/optics/stokes.h"
 
 namespace malus {
 
@@ -23,5 +25,27 @@ struct Camera {
     double yfov = to_radians(30.0);  ///< rad, full vertical field of view; perspective only
     double xmag = 1, ymag = 1;       ///< m, half the width and height seen; orthographic only
 };
+
+struct Ray {
+    Vec3 origin, direction;
+};
+
+/// The ray into the scene through picture point (px, py). Pixels are square: a perspective camera
+/// keeps its vertical field of view, an orthographic one shows at least xmag × ymag.
+Ray camera_ray(const Camera& camera, double px, double py, int width, int height);
+
+/// The image frame of the beam that reaches the detector along k (out of the scene).
+BeamFrame image_frame(const Camera& camera, const Vec3& k);
+
+/// A view from a direction: where the detector stands as seen from the target.
+struct View {
+    double zenith = 0, azimuth = 0;  ///< rad
+    std::optional<double> yfov;  ///< rad, perspective with this vertical field; else orthographic
+    double margin = 0.05;        ///< free border, as a fraction of the picture
+};
+
+/// A camera that sees all of `box` (not empty) in a picture of this shape. Image up is away from
+/// the ground; north when looking straight down or up.
+Camera frame_view(const View& view, const Box& box, int width, int height);
 
 }  // namespace malus

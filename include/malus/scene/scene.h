@@ -1,8 +1,7 @@
 // scene.h — what stands under the sky: triangle meshes placed by nodes. Plain data.
 //
 // World   glTF's: right-handed, +Y up, metres, node transforms in double.
-// Sides   triangles reflect on both sides; the outward side of a flat triangle (a,b,c) of an
-//         instance is (b−a)×(c−a) turned with the sign of the placement's determinant, as in glTF.
+// Sides   triangles reflect on both sides, so neither winding nor mirroring changes a picture.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,8 +17,8 @@ namespace malus {
 
 /// One glTF primitive: triangles of one material, in the mesh's own coordinates.
 struct Mesh {
-    std::string name;   ///< of the glTF mesh; may be empty
-    int surface = -1;   ///< index into Scene::surfaces; −1 when the primitive names no material
+    std::string name;  ///< of the glTF mesh; may be empty
+    int surface = -1;  ///< index into Scene::surfaces; −1 when the primitive names no material
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;  ///< unit, one a position; empty: flat triangles
     std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -1,0 +1,47 @@
+// sampler.h — the random numbers of a path: Owen-scrambled Sobol' points.
+//
+// A pixel has R independent scrambles (replicates); the spread of their means is the error bar.
+// A number depends on (seed, pixel, replicate, sample, block, dimension) alone: any machine and any
+// thread can compute it, and a render can continue where another stopped.
+//
+// Blocks  a path needs a few numbers a vertex. Each block holds 8 dimensions of one Sobol'
+// sequence;
+//         blocks beyond the first visit the sequence in an independently shuffled order
+//         ("padding"), which keeps each block well distributed and the blocks independent of each
+//         other.
+// Range   each number in (0,1), a multiple of 2⁻³² plus 2⁻³³.
+// Source  Owen, Randomly permuted (t,m,s)-nets (1995); Joe & Kuo (2008) for the direction numbers;
+//         Laine & Karras (2011) and Burley, JCGT 9(4) (2020) for the hash-based scrambling.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace malus {
+
+inline constexpr int kBlockDimensions = 8;
+
+/// Coordinates of one point of a block.
+using SamplePoint = std::array<double, kBlockDimensions>;
+
+/// The unscrambled Sobol' point `index`: 32-bit fractions.
+std::array<std::uint32_t, kBlockDimensions> sobol(std::uint32_t index);
+
+/// A well-mixed 64-bit function of two 64-bit numbers.
+std::uint64_t hash(std::uint64_t a, std::uint64_t b);
+
+/// One randomized quasi-Monte Carlo sequence: replicate `replicate` of pixel `pixel`.
+class Sampler {
+  public:
+    Sampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t replicate)
+        : key_(hash(hash(seed, pixel), replicate)) {}
+
+    /// Point `sample` of block `block`; block 0 is not shuffled.
+    SamplePoint point(std::uint32_t sample, std::uint32_t block) const;
+
+  private:
+    std::uint64_t key_;
+};
+
+}  // namespace malus

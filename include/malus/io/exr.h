@@ -1,0 +1,38 @@
+// exr.h — named float channels and attributes in an OpenEXR file.
+//
+// Written as one part of scanlines, ZIP, 32-bit float, dataWindow = displayWindow.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace malus {
+
+using Attribute = std::variant<std::string, float, int, std::vector<std::string>>;
+
+/// Channels of one size, rows from the top, and what the header says of them.
+struct Image {
+    int width = 0, height = 0;
+    std::map<std::string, std::vector<float>> channels;
+    std::map<std::string, Attribute> attributes;
+
+    std::size_t pixel_count() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
+    /// The channel, made of zeros if it does not exist yet.
+    std::vector<float>& channel(const std::string& name);
+    const std::string* text(const std::string& attribute) const;  ///< nullptr if absent
+    const float* number(const std::string& attribute) const;      ///< nullptr if absent
+};
+
+/// Throws Error when the file is missing, not OpenEXR, damaged, tiled in levels or of many parts.
+Image read_exr(const std::filesystem::path& path);
+
+/// Appears whole or not at all; throws Error.
+void write_exr(const std::filesystem::path& path, const Image& image);
+
+}  // namespace malus

@@ -1,0 +1,120 @@
+// priest_germer.h — polarized reflection of a rough painted surface, per wavelength.
+//
+//   f = P(θ) · SO(θ,β) · [G] · M(β) / (4 cosθi cosθo)  +  f_vol · E00                     [sr⁻¹]
+//   P  = B exp(−tan²θ/(2σ²)) / (2π σ² cos³θ)   Gaussian slopes
+//   P  = B / (cosθ (σ² + tan²θ))               Cauchy slopes
+//   SO = (1 + (θ/Ω) e^{−2β/τ}) / (1 + θ/Ω)     shadowing and obscuration
+//   G  = min(1, 2 cosθ cosθi/cosβ, 2 cosθ cosθo/cosβ)   Torrance-Sparrow, where asked for
+//   f_vol = max(0, ρd + 2ρv/(cosθi + cosθo)),  E00 the matrix whose only entry is [0][0] = 1
+//
+// Angles  wi toward the light, wo toward the sensor, both away from the surface; h = unit(wi + wo)
+//         the facet normal; θ its tilt (cosθ = n·h), β the incidence on it (cosβ = wi·h); radians.
+// Frame   M is fresnel.h's matrix, s = unit(k_in × k_out) on both beams, k_in = −wi, k_out = wo.
+// Range   |S| ≤ S0 is kept, f = 0 when cosθi ≤ 0 or cosθo ≤ 0; reciprocal: M(wo→wi) = D Mᵀ D with
+//         D = diag(1,1,−1,1). Diverges at grazing as 1/(cosθi cosθo): the model's own limit.
+// Source  Priest & Germer, Proc. SPIE 4133 (2000) / 2002 Meeting of the Military Sensing
+//         Symposia; Priest & Meier, Opt. Eng. 41, 988 (2002); Torrance & Sparrow, JOSA 57, 1105.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "malus/core/frame.h"
+#include "malus/optics/fresnel.h"
+
+namespace malus {
+
+enum class Slopes { kGaussian, kCauchy };
+enum class Attenuation { kNone, kTorranceSparrow };
+
+/// The parameters of a surface at one wavelength (T = double) or several (T = lanes).
+template <class T>
+struct PriestGermer {
+    T n, k;            ///< complex index n + ik
+    T B, sigma;        ///< lobe strength, RMS slope
+    T tau, inv_omega;  ///< rad, rad⁻¹; inv_omega = 0: no shadowing
+    T rho_d, rho_v;    ///< sr⁻¹
+};
+
+/// The geometry of one reflection, shared by all wavelengths.
+struct Reflection {
+    double cos_i, cos_o;      ///< wi·n, wo·n
+    double theta, cos_theta;  ///< tilt of the facet, rad
+    double tan2_theta;        ///< tan²θ, exact also for small tilts
+    double beta, cos_beta;    ///< incidence on the facet, rad
+    BeamFrame in, out;        ///< the facet's own frame on the two beams
+};
+
+/// Needs unit vectors with wi·n > 0 and wo·n > 0.
+inline Reflection reflection(const Vec3& n, const Vec3& wi, const Vec3& wo) {
+    const Vec3 sum = wi + wo, difference = wi - wo;
+    const double along = dot(n, sum), across = length(cross(n, sum));
+    const double sum_length = length(sum);
+    // s = unit(k_in × k_out) up to sign. Near retro-reflection |rs|² − |rp|² is of order β²: under
+    // 1e-7 any axis gives the same matrix to double precision.
+    const Vec3 s = cross(wi, wo);
+    const double s_length = length(s);
+    const Vec3 axis = s_length > 1e-7 ? s / s_length : any_perpendicular(wo);
+    return {dot(n, wi),         dot(n, wo),          std::atan2(across, along),
+            along / sum_length, sqr(across / along), std::atan2(length(difference), sum_length),
+            0.5 * sum_length,   {-wi, axis},         {wo, axis}};
+}
+
+/// P(θ): facets per solid angle around the tilt θ, times B.
+template <class T>
+T slope_distribution(Slopes slopes, const T& B, const T& sigma, double cos_theta,
+                     double tan2_theta) {
+    using std::exp;
+    const T s2 = sigma * sigma, tan2 = real<T>(tan2_theta);
+    if (slopes == Slopes::kCauchy) return B / (real<T>(cos_theta) * (s2 + tan2));
+    // The floor keeps 0/0 away where the exponential has long been 0.
+    const double cos3 = std::max(cos_theta * cos_theta * cos_theta, 1e-30);
+    const T two_s2 = real<T>(2) * s2;
+    return B * exp(-tan2 / two_s2) / (real<T>(kPi * cos3) * two_s2);
+}
+
+/// SO(θ,β) of Priest and Germer.
+template <class T>
+T shadowing(const T& tau, const T& inv_omega, double theta, double beta) {
+    using std::exp;
+    const T x = real<T>(theta) * inv_omega;
+    return (real<T>(1) + x * exp(real<T>(-2 * beta) / tau)) / (real<T>(1) + x);
+}
+
+/// G of Torrance and Sparrow; keeps the energy of the facets ≤ 1.
+inline double torrance_sparrow(const Reflection& r) {
+    const double c = 2 * r.cos_theta / r.cos_beta;
+    return std::min({1.0, c * r.cos_i, c * r.cos_o});
+}
+
+/// f_vol, never negative.
+template <class T>
+T volume(const T& rho_d, const T& rho_v, double cos_i, double cos_o) {
+    using std::max;
+    return max(real<T>(0), rho_d + rho_v * real<T>(2 / (cos_i + cos_o)));
+}
+
+/// The Mueller BRDF in the facet's frame: a facet matrix plus fully depolarized volume light.
+template <class T>
+struct BrdfMueller {
+    FacetMueller<T> facet;
+    T volume;
+
+    friend Stokes<T> operator*(const BrdfMueller& f, const Stokes<T>& S) {
+        Stokes<T> out = f.facet * S;
+        out.s0 = out.s0 + f.volume * S.s0;
+        return out;
+    }
+};
+
+/// f in sr⁻¹, for light that comes along r.in and leaves along r.out.
+template <class T>
+BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, Attenuation attenuation,
+                    const Reflection& r) {
+    const double G = attenuation == Attenuation::kTorranceSparrow ? torrance_sparrow(r) : 1.0;
+    const T P = slope_distribution(slopes, p.B, p.sigma, r.cos_theta, r.tan2_theta);
+    const T SO = shadowing(p.tau, p.inv_omega, r.theta, r.beta);
+    const T strength = P * SO * real<T>(G / (4 * r.cos_i * r.cos_o));
+    return {strength * fresnel(p.n, p.k, real<T>(r.cos_beta)),
+            volume(p.rho_d, p.rho_v, r.cos_i, r.cos_o)};
+}
+
+}  // namespace malus

@@ -1,0 +1,85 @@
+// film.h — what a render leaves: per pixel and wavelength the Stokes vector and its covariance.
+//
+//   S = mean over R replicates of their means S_r,   C = Σ_r (S_r − S)(S_r − S)ᵀ / (R(R−1))
+//   var p    = [(S1²C11 + S2²C22 + 2S1S2C12)/P² + p²C00 − 2p(S1C01 + S2C02)/P] / S0²
+//   var AoLP = (S1²C22 + S2²C11 − 2S1S2C12)/(4P⁴)              P = √(S1²+S2²), p = P/S0 = DoLP
+//
+// Frame   the camera's image frame of each pixel's beam (camera.h). Units W m⁻² sr⁻¹ nm⁻¹, m, rad.
+// Source  propagation of errors to first order; Plaszczynski et al., MNRAS 439, 4048 (2014).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "malus/optics/stokes.h"
+
+namespace malus {
+
+/// One wavelength of one pixel.
+struct PixelStokes {
+    Stokes<double> mean;
+    /// Of the mean: C00, C01, C02, C11, C12, C22, C33.
+    std::array<float, 7> covariance{};
+};
+
+/// Standard errors of a pixel's numbers. An AoLP that is not known at all has π/2.
+double stderr_dolp(const PixelStokes& pixel);
+double stderr_aolp(const PixelStokes& pixel);
+
+/// A sample that was kept out because it was not finite or had S0 < 0.
+struct RefusedSample {
+    int x, y;
+    std::uint32_t replicate, sample;
+};
+
+struct Film {
+    int width = 0, height = 0;
+    std::vector<double> wavelengths_nm;
+    std::vector<PixelStokes> stokes;     ///< [pixel][wavelength]; pixels by rows from the top
+    std::vector<float> coverage;         ///< [pixel] share of samples that met a surface, [0,1]
+    std::vector<float> distance;         ///< [pixel] mean distance of those surfaces, m; 0 if none
+    std::vector<std::int32_t> instance;  ///< [pixel] the instance seen most, −1 for the sky
+    std::vector<std::uint32_t> samples;  ///< [pixel] samples kept
+
+    Film() = default;
+    Film(int width, int height, std::vector<double> wavelengths_nm);
+
+    std::size_t pixel_count() const { return samples.size(); }
+    const PixelStokes& at(std::size_t pixel, std::size_t wavelength) const {
+        return stokes[pixel * wavelengths_nm.size() + wavelength];
+    }
+};
+
+/// Gathers the samples of one pixel, replicate by replicate, and develops them into the film.
+class PixelAccumulator {
+  public:
+    explicit PixelAccumulator(std::size_t wavelengths);
+
+    void start_pixel();
+    void start_replicate();
+    /// `S`: components by rows of `stride` floats, wavelength innermost. False, and nothing is
+    /// added, when a number is not finite or an S0 negative.
+    bool add(const float* S, std::size_t stride);
+    void add_surface(int instance, double distance);  ///< of a sample that met a surface
+    void add_sky();                                   ///< of a sample that did not
+    void end_replicate();
+    void develop(Film& film, std::size_t pixel) const;
+
+  private:
+    std::size_t wavelengths_;
+    std::vector<Stokes<double>> sum_;                      // of this replicate
+    std::vector<std::vector<Stokes<double>>> replicates_;  // their means, [replicate][wavelength]
+    std::size_t replicate_count_ = 0;
+    std::uint32_t in_replicate_ = 0, samples_ = 0;
+    std::uint32_t seen_ = 0, covered_ = 0;
+    double distance_sum_ = 0;
+    // The instance seen most, by Boyer and Moore's majority vote (1981): exact for a majority.
+    std::int32_t leader_ = -1;
+    std::uint32_t votes_ = 0;
+
+    void vote(std::int32_t instance);
+};
+
+}  // namespace malus

@@ -1,0 +1,123 @@
+// sky.h — the light of the sky dome: Stokes vectors over direction and wavelength.
+//
+// Frame   maps are in the meridian frame: at sky direction w (light propagates along k = −w) the
+//         axis is x = normalize(up − (up·w) w), toward the zenith. That frame spins at the zenith,
+//         so SkyDome turns every node by its azimuth into a frame that does not (Ludwig's third
+//         definition, IEEE Trans. AP-21, 116 (1973)) before it interpolates.
+// Units   W m⁻² sr⁻¹ nm⁻¹, nm; zenith and azimuth in radians, azimuth clockwise from north.
+// Below the horizon the sky is black.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "malus/optics/stokes.h"
+
+namespace malus {
+
+/// The sun's disc as a sky file declares it.
+struct Sun {
+    double zenith = 0, azimuth = 0;  ///< rad
+    std::vector<double> irradiance;  ///< W m⁻² nm⁻¹ facing the sun; one a wavelength, or empty
+};
+
+/// A sky map as read or computed: a full grid of nodes in the meridian frame.
+struct Sky {
+    std::vector<double> wavelengths_nm;     ///< ascending
+    std::vector<double> zeniths, azimuths;  ///< rad, ascending, in [0, π/2] and [0, 2π)
+    std::vector<Stokes<double>> nodes;      ///< [wavelength][zenith][azimuth]
+    std::optional<Sun> sun;
+    std::string source;
+
+    const Stokes<double>& at(std::size_t w, std::size_t zenith, std::size_t azimuth) const {
+        return nodes[(w * zeniths.size() + zenith) * azimuths.size() + azimuth];
+    }
+};
+
+/// The meridian frame of the light that comes from sky direction w; at the zenith itself the
+/// frame of azimuth 0.
+BeamFrame meridian_frame(const Vec3& w);
+
+/// The frame of the light from w that does not spin: the meridian frame turned back by the azimuth.
+BeamFrame fixed_frame(const Vec3& w);
+
+/// A fully described sky of one direction-dependent Stokes vector: a clear sky in which sunlight
+/// is scattered once by air (first-order solution of a plane-parallel Rayleigh atmosphere), its
+/// polarization scaled so that 90° from the sun DoLP is `max_dolp`.
+struct RayleighSky {
+    double sun_zenith = to_radians(60), sun_azimuth = to_radians(180);  ///< rad
+    double max_dolp = 0.8;                                              ///< [0, 1]
+};
+/// Sampled at zenith × azimuth pixel centres. Optical depth by Bodhaine et al. (1999), eq. 30; the
+/// sun a black body of 5772 K (IAU 2015 resolution B3) at one astronomical unit.
+Sky make_rayleigh_sky(const RayleighSky& model, std::span<const double> wavelengths_nm, int zeniths,
+                      int azimuths);
+
+/// Where a direction lies between the nodes of a SkyDome.
+struct SkyLookup {
+    std::array<std::uint32_t, 4> node{};
+    std::array<float, 4> weight{};  ///< ≥ 0, sum 1; all 0 below the horizon
+};
+
+/// A direction drawn from the sky; pdf per steradian.
+struct SkySample {
+    Vec3 w;
+    double pdf = 0;
+};
+
+/// A sky prepared for rendering some of its wavelengths. Immutable; many threads may share it.
+class SkyDome {
+  public:
+    /// Throws Error when the sky lacks one of the wavelengths.
+    SkyDome(const Sky& sky, std::span<const double> wavelengths_nm);
+
+    SkyLookup locate(const Vec3& w) const;
+
+    /// Component c of node: a row of one float a wavelength, in fixed_frame(w). Rows may be read
+    /// up to kPadding floats beyond their end.
+    const float* row(std::uint32_t node, int c) const {
+        return &data_[(std::size_t{node} * 4 + static_cast<std::size_t>(c)) * wavelength_count_];
+    }
+    /// One wavelength of the light from w, in fixed_frame(w).
+    Stokes<double> radiance(const Vec3& w, std::size_t wavelength) const;
+
+    /// Draws a direction by S0 (each wavelength weighs the same) from two numbers in (0,1).
+    /// pdf = 0 where the whole sky is black.
+    SkySample sample(double u1, double u2) const;
+    /// Density of sample() at w, sr⁻¹.
+    double pdf(const Vec3& w) const;
+
+    static constexpr std::size_t kPadding = 64;
+
+  private:
+    // Ascending coordinates with a guide table, so that a search takes constant time.
+    class Axis {
+      public:
+        Axis() = default;
+        explicit Axis(std::vector<double> nodes);
+        std::size_t cell(double x) const;  // largest i with nodes[i] ≤ x, kept in range
+        double node(std::size_t i) const { return nodes_[i]; }
+        std::size_t cells() const { return nodes_.size() - 1; }
+
+      private:
+        std::vector<double> nodes_;
+        std::vector<std::uint32_t> guide_;
+        double scale_ = 0;
+    };
+
+    void fill_nodes(const Sky& sky, std::span<const std::size_t> which);
+    void build_distribution();
+    double wrapped(double azimuth) const;
+
+    std::size_t wavelength_count_ = 0;
+    Axis zenith_, azimuth_;           // with pole, horizon and the first azimuth once more
+    std::vector<float> data_;         // [node][component][wavelength]
+    std::vector<double> row_cdf_;     // over zenith cells
+    std::vector<double> column_cdf_;  // [zenith cell][azimuth cell + 1]
+};
+
+}  // namespace malus

@@ -1,0 +1,27 @@
+// commands.h — the commands of the program, each in a file of its own.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace malus::cli {
+
+void add_render(CLI::App& app, const std::string& command_line);
+void add_sky(CLI::App& app, const std::string& command_line);
+void add_preview(CLI::App& app);
+void add_info(CLI::App& app);
+
+/// Replaces this process by malus-preview, which stands beside malus or on the PATH; argv[0] is
+/// "preview". Throws Error if it cannot be found.
+[[noreturn]] void run_preview(int argc, char** argv);
+
+std::string version();
+/// The command line as one line, quoted where a shell would need it.
+std::string command_line(int argc, char** argv);
+
+}  // namespace malus::cli

@@ -1,0 +1,27 @@
+// common.cpp — what the commands share.
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/commands.h"
+
+namespace malus::cli {
+
+std::string version() {
+    return MALUS_VERSION;
+}
+
+std::string command_line(int argc, char** argv) {
+    std::string line;
+    for (int i = 0; i < argc; ++i) {
+        std::string word = argv[i];
+        const bool plain = !word.empty() &&
+                           word.find_first_of(" \t\n\"'\\$&|;<>*?()[]{}#~`!") == std::string::npos;
+        if (!plain) {
+            for (std::size_t at = 0; (at = word.find('\'', at)) != std::string::npos; at += 4)
+                word.replace(at, 1, "'\\''");
+            word = "'" + word + "'";
+        }
+        line += (i ? " " : "") + word;
+    }
+    return line;
+}
+
+}  // namespace malus::cli

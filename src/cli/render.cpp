@@ -1,0 +1,338 @@
+// render.cpp — malus render: from files to an image with error bars.
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include "cli/commands.h"
+#include "cli/progress.h"
+#include "malus/core/error.h"
+#include "malus/io/file.h"
+#include "malus/io/gltf.h"
+#include "malus/io/material_file.h"
+#include "malus/io/sky_file.h"
+#include "malus/io/spectral_image.h"
+#include "malus/io/stats_file.h"
+#include "malus/optics/wavelengths.h"
+
+namespace malus::cli {
+namespace {
+
+struct RenderOptions {
+    std::string scene, sky, output, stats, camera, look_at;
+    std::vector<std::string> materials, assign;
+    std::vector<double> wavelengths_nm;
+    double view_zenith_deg = 30, view_azimuth_deg = 0, fov_deg = 0, margin = 0.05;
+    bool orthographic = false, quiet = false;
+    CLI::Option* camera_option = nullptr;
+    std::vector<CLI::Option*> view_options;
+    RenderSettings settings;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void warn(const RenderOptions& options, const std::string& text) {
+    if (!options.quiet) std::cerr << "malus: note: " << text << '\n';
+}
+
+std::vector<Material> read_all_materials(const RenderOptions& options) {
+    std::vector<Material> all;
+    for (const std::string& path : options.materials) {
+        MaterialFile file = read_materials(path);
+        for (const std::string& warning : file.warnings) warn(options, warning);
+        for (Material& material : file.materials) {
+            for (const Material& other : all)
+                if (other.name == material.name)
+                    throw Error(material.place + ": a material of this name stands in " +
+                                other.place + " too; rename one");
+            all.push_back(std::move(material));
+        }
+    }
+    return all;
+}
+
+std::vector<PaintRule> parse_rules(const std::vector<std::string>& texts) {
+    std::vector<PaintRule> rules;
+    for (const std::string& text : texts) {
+        const std::size_t equals = text.rfind('=');
+        if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+            throw Error("--assign " + one_line(text) + ": expected NAME=MATERIAL");
+        rules.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+    return rules;
+}
+
+// The requested wavelengths, or all of the sky that every paint in use covers; ascending.
+std::vector<double> choose_wavelengths(const RenderOptions& options, const Sky& sky,
+                                       const std::vector<Material>& materials,
+                                       const std::vector<int>& paints) {
+    std::vector<double> chosen = options.wavelengths_nm;
+    std::sort(chosen.begin(), chosen.end());
+    for (std::size_t w = 0; w < chosen.size(); ++w) {
+        if (!find_wavelength(sky.wavelengths_nm, chosen[w]))
+            throw Error(options.sky + ": no light at " + to_text(chosen[w]) + " nm (it has " +
+                        to_text(sky.wavelengths_nm) +
+                        " nm); choose other --wavelengths or another sky");
+        if (w > 0 && chosen[w] - chosen[w - 1] < kSameWavelength_nm)
+            throw Error("--wavelengths: " + to_text(chosen[w]) + " nm stands twice; keep one");
+    }
+    if (!chosen.empty()) return chosen;
+    for (double nm : sky.wavelengths_nm)
+        if (std::all_of(paints.begin(), paints.end(), [&](int paint) {
+                return materials[static_cast<std::size_t>(paint)].covers(nm);
+            }))
+            chosen.push_back(nm);
+    if (chosen.empty())
+        throw Error(options.sky + ": none of its wavelengths (" + to_text(sky.wavelengths_nm) +
+                    " nm) is covered by all materials in use; make a sky that shares some");
+    return chosen;
+}
+
+// Says once for each paint in use where its parameters are read between rows.
+void tell_interpolation(const RenderOptions& options, const std::vector<Material>& materials,
+                        const std::vector<int>& paints, const std::vector<double>& wavelengths) {
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+        if (std::find(paints.begin(), paints.end(), static_cast<int>(m)) == paints.end()) continue;
+        std::vector<double> between;
+        for (double nm : wavelengths)
+            if (std::none_of(materials[m].rows.begin(), materials[m].rows.end(),
+                             [&](const MaterialRow& row) {
+                                 return std::abs(row.wavelength_nm - nm) < kSameWavelength_nm;
+                             }))
+                between.push_back(nm);
+        if (!between.empty())
+            warn(options, materials[m].place + ": parameters at " + to_text(between) +
+                              " nm are interpolated linearly between rows");
+    }
+}
+
+const Camera& named_camera(const Scene& scene, const RenderOptions& options) {
+    std::vector<std::string> names;
+    for (const Camera& camera : scene.cameras) {
+        if (camera.name == options.camera) return camera;
+        names.push_back(camera.name);
+    }
+    throw Error(options.scene + ": no camera '" + one_line(options.camera) + "'" +
+                (names.empty() ? "; it has none, use --view-zenith and --view-azimuth"
+                               : suggest(options.camera, names)));
+}
+
+int named_node(const Scene& scene, const RenderOptions& options) {
+    std::vector<std::string> names;
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].name == options.look_at && !bounds(scene, static_cast<int>(n)).empty())
+            return static_cast<int>(n);
+        if (!scene.nodes[n].name.empty()) names.push_back(scene.nodes[n].name);
+    }
+    throw Error(options.scene + ": --look-at " + one_line(options.look_at) +
+                ": no node of this name holds triangles" + suggest(options.look_at, names));
+}
+
+Camera choose_camera(const Scene& scene, const RenderOptions& options) {
+    if (!options.camera_option->empty()) return named_camera(scene, options);
+    const bool view = std::any_of(options.view_options.begin(), options.view_options.end(),
+                                  [](const CLI::Option* option) { return !option->empty(); });
+    if (!view && !scene.cameras.empty()) return scene.cameras.front();
+    const Box box = bounds(scene, options.look_at.empty() ? -1 : named_node(scene, options));
+    View from{to_radians(options.view_zenith_deg),
+              to_radians(options.view_azimuth_deg),
+              {},
+              options.margin};
+    if (options.fov_deg > 0) from.yfov = to_radians(options.fov_deg);
+    return frame_view(from, box, options.settings.width, options.settings.height);
+}
+
+Labels make_labels(const Scene& scene, const std::vector<Material>& materials,
+                   const std::vector<int>& paints) {
+    Labels labels;
+    labels.material_of_instance = paints;
+    for (const Material& material : materials) labels.materials.push_back(material.name);
+    for (const Node& node : scene.nodes) labels.nodes.push_back(node.name);
+    for (const Instance& instance : scene.instances)
+        labels.node_of_instance.push_back(instance.node);
+    return labels;
+}
+
+// What a person wants to know when it is done, on one line.
+void tell_result(const RenderOptions& options, const RenderStats& stats,
+                 const RenderResult& result) {
+    if (options.quiet) return;
+    std::string errors;
+    for (std::size_t w = 0; w < result.film.wavelengths_nm.size(); ++w) {
+        const ErrorSummary error = summarize_error(result.film, w);
+        char text[96];
+        std::snprintf(text, sizeof text, "%s %s nm S0 %.2g %%, DoLP %.2g", w ? ";" : "",
+                      to_text(result.film.wavelengths_nm[w]).c_str(), 100 * error.rms_s0_relative,
+                      error.rms_dolp);
+        errors += text;
+    }
+    std::printf("%s: %.1f s, %.2g million rays/s, standard error (rms)%s; %llu samples refused\n",
+                options.output.c_str(), stats.render_s,
+                static_cast<double>(result.rays) / std::max(1e-9, stats.render_s) / 1e6,
+                errors.c_str(), static_cast<unsigned long long>(result.refused));
+    if (result.refused > 0) {
+        const RefusedSample& r = result.first_refused.front();
+        std::cerr << "malus: warning: " << result.refused << " of " << result.paths
+                  << " samples were not finite or negative and were left out; first at pixel ("
+                  << r.x << ',' << r.y << "), replicate " << r.replicate << ", sample " << r.sample
+                  << ", seed " << stats.seed << "; please report it with the scene\n";
+    }
+}
+
+void add_provenance(Image& image, const RenderStats& stats, const std::string& command_line) {
+    image.attributes["malusVersion"] = stats.version;
+    image.attributes["commandLine"] = command_line;
+    image.attributes["seed"] = std::to_string(stats.seed);
+    image.attributes["wallTime"] =
+        static_cast<float>(stats.load_s + stats.build_s + stats.render_s);
+    image.attributes["dolpEstimator"] = "raw";
+}
+
+void render_to_file(RenderOptions& options, const std::string& command_line) {
+    RenderStats stats;
+    auto start = std::chrono::steady_clock::now();
+    check_writable(options.output);
+    if (!options.stats.empty()) check_writable(options.stats);
+    const std::vector<Material> materials = read_all_materials(options);
+    const Sky sky = read_sky(options.sky);
+    Scene scene = read_gltf(options.scene);
+    for (const std::string& warning : scene.warnings) warn(options, warning);
+    const std::vector<int> paints = assign_paints(scene, parse_rules(options.assign), materials);
+    const std::vector<double> wavelengths = choose_wavelengths(options, sky, materials, paints);
+    tell_interpolation(options, materials, paints, wavelengths);
+    if (sky.sun && !sky.sun->irradiance.empty())
+        warn(options, options.sky + ": its sun disc is left out; only the sky's light is rendered");
+    const Camera camera = choose_camera(scene, options);
+    const Labels labels = make_labels(scene, materials, paints);
+    stats.load_s = seconds_since(start);
+
+    start = std::chrono::steady_clock::now();
+    const PreparedScene prepared(std::move(scene), paints, materials, sky, wavelengths);
+    stats.build_s = seconds_since(start);
+
+    start = std::chrono::steady_clock::now();
+    RenderSettings settings = options.settings;
+    settings.spp = (settings.spp + kReplicates - 1) / kReplicates * kReplicates;
+    if (settings.spp != options.settings.spp)
+        warn(options, "--spp " + std::to_string(options.settings.spp) + " is taken as " +
+                          std::to_string(settings.spp) + ", a multiple of the " +
+                          std::to_string(kReplicates) + " replicates that give the error bars");
+    if (settings.threads == 0)
+        settings.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    catch_interrupts();
+    settings.stop = &interrupted();
+    RenderResult result;
+    {
+        Progress progress("rendering", options.quiet);
+        settings.progress = [&](double done) { progress.update(done); };
+        result = render(prepared, camera, settings);
+    }
+    stats.render_s = seconds_since(start);
+    if (result.stopped)
+        throw Error(options.output + ": not written (stopped by a signal before it was finished)");
+
+    stats.version = version();
+    stats.scene = options.scene;
+    stats.spp = settings.spp;
+    stats.max_depth = settings.max_depth;
+    stats.threads = settings.threads;
+    stats.seed = settings.seed;
+    start = std::chrono::steady_clock::now();
+    Image image = to_image(result.film, labels);
+    add_provenance(image, stats, command_line);
+    write_exr(options.output, image);
+    stats.write_s = seconds_since(start);
+    if (!options.stats.empty()) write_stats(options.stats, stats, result);
+    tell_result(options, stats, result);
+}
+
+void add_inputs(CLI::App& sub, RenderOptions& o) {
+    sub.add_option("scene", o.scene, "Scene, glTF 2.0: .gltf or .glb")->required();
+    sub.add_option("--sky", o.sky, "Sky map: .exr (malus sky make) or .csv")->required();
+    sub.add_option("--materials", o.materials, "Paints: one or more .json files")->required();
+    sub.add_option("-o,--output", o.output, "Image to write, EXR")->required();
+    sub.add_option("--stats", o.stats, "Write what was done to this JSON file");
+    sub.add_option("--wavelengths", o.wavelengths_nm,
+                   "Wavelengths, nm, e.g. 440,600 [all of the sky that the materials cover]")
+        ->delimiter(',');
+    sub.add_option("--assign", o.assign,
+                   "Give a glTF node, mesh or material (by name; * for the rest) a paint: "
+                   "NAME=MATERIAL; repeatable [the paint named like the glTF material]")
+        ->take_all()
+        ->expected(1)
+        ->allow_extra_args(false);
+}
+
+void add_view(CLI::App& sub, RenderOptions& o) {
+    const std::string group = "View";
+    o.camera_option =
+        sub.add_option("--camera", o.camera, "A camera of the scene, by name [the first, if any]")
+            ->group(group);
+    o.view_options = {
+        sub.add_option("--view-zenith", o.view_zenith_deg,
+                       "Zenith angle of the detector as seen from the target, degrees")
+            ->check(CLI::Range(0.0, 180.0)),
+        sub.add_option("--view-azimuth", o.view_azimuth_deg,
+                       "Azimuth of the detector as seen from the target, degrees clockwise from "
+                       "north (-Z); image up is away from the ground, north when looking straight "
+                       "down")
+            ->check(CLI::Range(-360.0, 360.0)),
+        sub.add_option("--look-at", o.look_at, "Frame this node instead of the whole scene"),
+        sub.add_option("--fov", o.fov_deg,
+                       "Perspective with this vertical field of view, degrees [orthographic]")
+            ->check(CLI::Range(1e-3, 170.0)),
+        sub.add_flag("--orthographic", o.orthographic, "Orthographic view (the default)"),
+        sub.add_option("--margin", o.margin, "Free border, fraction of the picture")
+            ->check(CLI::Range(0.0, 0.45))};
+    for (CLI::Option* option : o.view_options) {
+        option->group(group)->excludes(o.camera_option);
+        if (option->get_name() != "--look-at" && option->get_name() != "--fov" &&
+            option->get_name() != "--orthographic")
+            option->capture_default_str();
+    }
+    o.view_options[4]->excludes(o.view_options[3]);
+}
+
+void add_sampling(CLI::App& sub, RenderOptions& o) {
+    RenderSettings& s = o.settings;
+    sub.add_option("--width", s.width, "Columns, pixels")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str();
+    sub.add_option("--height", s.height, "Rows, pixels")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str();
+    sub.add_option("--spp", s.spp, "Samples a pixel, rounded up to a multiple of 8")
+        ->check(CLI::Range(1u, 1u << 30))
+        ->capture_default_str();
+    sub.add_option("--max-depth", s.max_depth,
+                   "Surface reflections on a path: 1 = sky light only, 2 = target-background too")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    sub.add_option("--seed", s.seed, "Another seed gives an independent image")
+        ->capture_default_str();
+    sub.add_option("--threads", s.threads,
+                   "Threads; 0: all of the machine. The image does not depend on it")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str();
+    sub.add_flag("--quiet", o.quiet, "No progress, no notes, no closing line");
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, const std::string& command_line) {
+    CLI::App* sub = app.add_subcommand(
+        "render",
+        "Render a scene under a sky to a spectral EXR: S0..S3, DoLP, AoLP (degrees from image "
+        "right, counter-clockwise) and their standard errors per pixel and wavelength");
+    const auto options = std::make_shared<RenderOptions>();
+    add_inputs(*sub, *options);
+    add_view(*sub, *options);
+    add_sampling(*sub, *options);
+    sub->callback([options, command_line] { render_to_file(*options, command_line); });
+}
+
+}  // namespace malus::cli

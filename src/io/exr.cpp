@@ -1,0 +1,137 @@
+// exr.cpp — the one place that knows OpenEXR.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/io/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfStringVectorAttribute.h>
+#include <ImfTestFile.h>
+
+#include "malus/core/error.h"
+#include "malus/io/file.h"
+
+namespace fs = std::filesystem;
+
+namespace malus {
+namespace {
+
+void insert(Imf::Header& header, const std::string& name, const Attribute& value) {
+    if (const auto* text = std::get_if<std::string>(&value))
+        header.insert(name, Imf::StringAttribute(*text));
+    else if (const auto* number = std::get_if<float>(&value))
+        header.insert(name, Imf::FloatAttribute(*number));
+    else if (const auto* integer = std::get_if<int>(&value))
+        header.insert(name, Imf::IntAttribute(*integer));
+    else
+        header.insert(name, Imf::StringVectorAttribute(std::get<std::vector<std::string>>(value)));
+}
+
+void collect_attributes(const Imf::Header& header, Image& image) {
+    for (auto i = header.begin(); i != header.end(); ++i) {
+        const Imf::Attribute& a = i.attribute();
+        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a))
+            image.attributes[i.name()] = text->value();
+        else if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&a))
+            image.attributes[i.name()] = number->value();
+        else if (const auto* integer = dynamic_cast<const Imf::IntAttribute*>(&a))
+            image.attributes[i.name()] = integer->value();
+        else if (const auto* texts = dynamic_cast<const Imf::StringVectorAttribute*>(&a))
+            image.attributes[i.name()] = texts->value();
+    }
+}
+
+// A strip of floats whose first pixel stands at (window.min.x, window.min.y).
+Imf::Slice slice(const float* data, const Imath::Box2i& window) {
+    const std::size_t row =
+        sizeof(float) * static_cast<std::size_t>(window.max.x - window.min.x + 1);
+    // OpenEXR takes char* for input and output alike.
+    return Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(data), window, sizeof(float), row);
+}
+
+void check_size(const Imath::Box2i& window) {
+    const auto width = std::int64_t{window.max.x} - window.min.x + 1;
+    const auto height = std::int64_t{window.max.y} - window.min.y + 1;
+    if (width < 1 || height < 1 || width * height > (std::int64_t{1} << 31))
+        throw Error("the picture is empty or has over 2³¹ pixels");
+}
+
+Image read_part(const fs::path& path) {
+    Imf::MultiPartInputFile parts(path.c_str());
+    if (parts.parts() != 1)
+        throw Error("it has " + std::to_string(parts.parts()) + " parts, not one");
+    Imf::InputFile file(path.c_str());
+    const Imf::Header& header = file.header();
+    const Imath::Box2i window = header.dataWindow();
+    check_size(window);
+    Image image;
+    image.width = window.max.x - window.min.x + 1;
+    image.height = window.max.y - window.min.y + 1;
+    collect_attributes(header, image);
+    Imf::FrameBuffer frame;
+    const Imf::ChannelList& channels = header.channels();
+    for (auto c = channels.begin(); c != channels.end(); ++c) {
+        if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
+            throw Error("channel '" + std::string(c.name()) + "' is subsampled");
+        frame.insert(c.name(), slice(image.channel(c.name()).data(), window));
+    }
+    file.setFrameBuffer(frame);
+    file.readPixels(window.min.y, window.max.y);
+    return image;
+}
+
+}  // namespace
+
+std::vector<float>& Image::channel(const std::string& name) {
+    std::vector<float>& data = channels[name];
+    data.resize(pixel_count());
+    return data;
+}
+
+const std::string* Image::text(const std::string& attribute) const {
+    const auto found = attributes.find(attribute);
+    return found == attributes.end() ? nullptr : std::get_if<std::string>(&found->second);
+}
+
+const float* Image::number(const std::string& attribute) const {
+    const auto found = attributes.find(attribute);
+    return found == attributes.end() ? nullptr : std::get_if<float>(&found->second);
+}
+
+Image read_exr(const fs::path& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) throw Error(path.string() + ": file not found; check the name");
+    if (!fs::is_regular_file(path, error) || !Imf::isOpenExrFile(path.c_str()))
+        throw Error(path.string() + ": not an OpenEXR file; name one");
+    try {
+        return read_part(path);
+    } catch (const std::exception& problem) {
+        throw Error(path.string() + ": cannot be read (" + one_line(problem.what()) +
+                    "); the file may be damaged or cut off, make it again");
+    }
+}
+
+void write_exr(const fs::path& path, const Image& image) {
+    const Imath::Box2i window({0, 0}, {image.width - 1, image.height - 1});
+    Imf::Header header(window, window);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, value] : image.attributes) insert(header, name, value);
+    Imf::FrameBuffer frame;
+    for (const auto& [name, data] : image.channels) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        frame.insert(name, slice(data.data(), window));
+    }
+    write_whole(path, [&](const fs::path& beside) {
+        Imf::OutputFile file(beside.c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writePixels(image.height);
+    });
+}
+
+}  // namespace malus

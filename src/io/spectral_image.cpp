@@ -1,0 +1,147 @@
+// spectral_image.cpp — films to channels, and the names of channels.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/io/spectral_image.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+
+#include "malus/core/error.h"
+#include "malus/optics/wavelengths.h"
+
+namespace malus {
+namespace {
+
+// The wavelengths of the film in one row of channels each: quantity(pixel) for all pixels.
+template <class Quantity>
+void fill(Image& image, const std::string& name, const Film& film, std::size_t w,
+          Quantity quantity) {
+    std::vector<float>& data = image.channel(spectral_channel(name, film.wavelengths_nm[w]));
+    for (std::size_t i = 0; i < data.size(); ++i)
+        data[i] = static_cast<float>(quantity(film.at(i, w)));
+}
+
+// The angle in degrees as a float that stays below 180 when rounded.
+double aolp_degrees(const Stokes<double>& S) {
+    const double degrees = to_degrees(aolp(S));
+    return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
+}
+
+void fill_wavelength(Image& image, const Film& film, std::size_t w) {
+    using P = PixelStokes;
+    fill(image, "S0", film, w, [](const P& p) { return p.mean.s0; });
+    fill(image, "S1", film, w, [](const P& p) { return p.mean.s1; });
+    fill(image, "S2", film, w, [](const P& p) { return p.mean.s2; });
+    fill(image, "S3", film, w, [](const P& p) { return p.mean.s3; });
+    fill(image, "DoLP", film, w, [](const P& p) { return std::min(1.0, dolp(p.mean)); });
+    fill(image, "AoLP", film, w, [](const P& p) { return aolp_degrees(p.mean); });
+    fill(image, "StdErr_S0", film, w, [](const P& p) { return std::sqrt(p.covariance[0]); });
+    fill(image, "StdErr_S1", film, w, [](const P& p) { return std::sqrt(p.covariance[3]); });
+    fill(image, "StdErr_S2", film, w, [](const P& p) { return std::sqrt(p.covariance[5]); });
+    fill(image, "StdErr_S3", film, w, [](const P& p) { return std::sqrt(p.covariance[6]); });
+    fill(image, "StdErr_DoLP", film, w, [](const P& p) { return stderr_dolp(p); });
+    fill(image, "StdErr_AoLP", film, w, [](const P& p) { return to_degrees(stderr_aolp(p)); });
+}
+
+// Ids count from 1 in the header's list of names; 0 is the sky.
+void fill_ids(Image& image, const std::string& channel, const std::string& attribute,
+              const Film& film, const std::vector<int>& of_instance,
+              const std::vector<std::string>& names) {
+    std::vector<float>& ids = image.channel(channel);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::int32_t instance = film.instance[i];
+        ids[i] = instance < 0
+                     ? 0.0f
+                     : static_cast<float>(of_instance[static_cast<std::size_t>(instance)] + 1);
+    }
+    std::vector<std::string> listed{"(sky)"};
+    listed.insert(listed.end(), names.begin(), names.end());
+    image.attributes[attribute] = listed;
+}
+
+}  // namespace
+
+std::string spectral_channel(const std::string& quantity, double wavelength_nm) {
+    std::array<char, 48> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), wavelength_nm,
+                                   std::chars_format::fixed, 6)
+                         .ptr;
+    std::string number(text.data(), end);
+    std::replace(number.begin(), number.end(), '.', ',');
+    return quantity + "." + number + "nm";
+}
+
+std::optional<SpectralName> parse_spectral_channel(const std::string& name) {
+    const std::size_t dot = name.find('.');
+    if (dot == std::string::npos || !name.ends_with("nm")) return std::nullopt;
+    std::string number = name.substr(dot + 1, name.size() - dot - 3);
+    std::replace(number.begin(), number.end(), ',', '.');
+    double nm = 0;
+    const char* last = number.data() + number.size();
+    const auto read = std::from_chars(number.data(), last, nm);
+    if (read.ec != std::errc() || read.ptr != last || !(nm > 0)) return std::nullopt;
+    return SpectralName{name.substr(0, dot), nm};
+}
+
+std::vector<double> stokes_wavelengths(const Image& image) {
+    std::map<double, int> found;  // which of S0..S3, as bits
+    for (const auto& [name, data] : image.channels) {
+        const auto parsed = parse_spectral_channel(name);
+        if (!parsed || parsed->quantity.size() != 2 || parsed->quantity[0] != 'S') continue;
+        const int component = parsed->quantity[1] - '0';
+        if (component >= 0 && component < 4) found[parsed->wavelength_nm] |= 1 << component;
+    }
+    std::vector<double> list;
+    for (const auto& [nm, components] : found) {
+        for (int c = 0; c < 4; ++c)
+            if (!(components & (1 << c)))
+                throw Error("channel '" + spectral_channel("S" + std::to_string(c), nm) +
+                            "' is missing; all of S0 to S3 are needed at a wavelength");
+        list.push_back(nm);
+    }
+    return list;
+}
+
+const std::vector<float>& spectral_data(const Image& image, const std::string& quantity,
+                                        double wavelength_nm) {
+    for (const auto& [name, data] : image.channels) {
+        const auto parsed = parse_spectral_channel(name);
+        if (parsed && parsed->quantity == quantity &&
+            std::abs(parsed->wavelength_nm - wavelength_nm) < kSameWavelength_nm)
+            return data;
+    }
+    throw Error("channel '" + spectral_channel(quantity, wavelength_nm) +
+                "' is missing; name an image that has it");
+}
+
+void declare_stokes(Image& image, const std::string& frame) {
+    image.attributes["spectralLayoutVersion"] = "1.0";
+    image.attributes["emissiveUnits"] = "W.m^-2.sr^-1";
+    image.attributes["polarisationHandedness"] = "right";
+    image.attributes["spectralQuantity"] = "spectral radiance per nm";
+    image.attributes["stokesReferenceFrame"] = frame;
+}
+
+Image to_image(const Film& film, const Labels& labels) {
+    Image image;
+    image.width = film.width;
+    image.height = film.height;
+    declare_stokes(image, "image");
+    image.attributes["aolpUnits"] = "degrees";
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) fill_wavelength(image, film, w);
+    image.channel("A") = film.coverage;
+    image.channel("Z") = film.distance;
+    std::copy(film.samples.begin(), film.samples.end(), image.channel("N.samples").begin());
+    fill_ids(image, "material.id", "materialNames", film, labels.material_of_instance,
+             labels.materials);
+    fill_ids(image, "node.id", "nodeNames", film, labels.node_of_instance, labels.nodes);
+    // For ordinary viewers: S0 of the middle wavelength as grey.
+    const double grey_nm = film.wavelengths_nm[film.wavelengths_nm.size() / 2];
+    for (const char* name : {"R", "G", "B"})
+        image.channel(name) = image.channels.at(spectral_channel("S0", grey_nm));
+    image.attributes["greyWavelength"] = static_cast<float>(grey_nm);
+    return image;
+}
+
+}  // namespace malus

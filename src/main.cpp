@@ -1,0 +1,74 @@
+// main.cpp — malus: one command a file in cli/; errors become one line and an exit code here.
+//
+// Exit    0 done; 1 an input or the run failed; 2 wrong usage.
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cstring>
+#include <iostream>
+#include <new>
+
+#include "cli/commands.h"
+#include "malus/core/error.h"
+
+namespace {
+
+constexpr int kFailed = 1, kUsage = 2;
+
+// Config files: the options of the command that is called, at the top of the file or in a section
+// of the command's name.
+class CommandConfig : public CLI::ConfigTOML {
+  public:
+    explicit CommandConfig(std::string command) : command_(std::move(command)) {}
+    std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+        std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(in);
+        for (CLI::ConfigItem& item : found)
+            if (item.parents.empty() && item.name != "++" && item.name != "--")
+                item.parents = {command_};
+        return found;
+    }
+
+  private:
+    std::string command_;
+};
+
+int run(int argc, char** argv) {
+    CLI::App app{
+        "malus: renders what a polarimetric imager sees of a glTF scene under a polarized "
+        "sky, and how far each number can be trusted.",
+        "malus"};
+    app.require_subcommand(1);
+    app.fallthrough();
+    app.set_version_flag("--version", malus::cli::version());
+    app.set_config("--config", "", "Take options from this TOML file (same names, without --)");
+    app.allow_config_extras(CLI::config_extras_mode::error);
+    app.config_formatter(std::make_shared<CommandConfig>(argc > 1 ? argv[1] : ""));
+    app.footer("malus COMMAND --help explains the options of a command with units and defaults.");
+    malus::cli::add_render(app, malus::cli::command_line(argc, argv));
+    malus::cli::add_sky(app, malus::cli::command_line(argc, argv));
+    malus::cli::add_preview(app);
+    malus::cli::add_info(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& usage) {
+        return app.exit(usage) == 0 ? 0 : kUsage;
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        // The preview program reads its own options, --help included.
+        if (argc > 1 && std::strcmp(argv[1], "preview") == 0)
+            malus::cli::run_preview(argc - 1, argv + 1);
+        return run(argc, argv);
+    } catch (const malus::Error& error) {
+        std::cerr << "malus: " << error.what() << '\n';
+    } catch (const std::bad_alloc&) {
+        std::cerr << "malus: not enough memory for this; render fewer pixels or wavelengths\n";
+    } catch (const std::exception& error) {
+        std::cerr << "malus: " << malus::one_line(error.what()) << '\n';
+    }
+    return kFailed;
+}

@@ -1,0 +1,273 @@
+// accel.cpp — Embree scenes: meshes placed once lie flat in the world, meshes placed more often
+// are shared by real instances.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/accel.h"
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <array>
+#include <limits>
+
+#include "malus/core/error.h"
+
+namespace malus {
+namespace {
+
+struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using Device = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using EmbreeScene = std::unique_ptr<RTCSceneTy, ReleaseScene>;
+using Geometry = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
+
+void check(RTCDevice device) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_OUT_OF_MEMORY)
+        throw Error("scene: not enough memory to sort its triangles for ray tracing");
+    if (error != RTC_ERROR_NONE)
+        throw Error("scene: Embree error " + std::to_string(static_cast<int>(error)) +
+                    " while sorting its triangles for ray tracing");
+}
+
+EmbreeScene new_scene(RTCDevice device) {
+    EmbreeScene scene(rtcNewScene(device));
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    return scene;
+}
+
+// `positions` must outlive the geometry and be readable 4 bytes past its end.
+Geometry triangle_geometry(RTCDevice device, const std::vector<Vec3f>& positions,
+                           const Mesh& mesh) {
+    Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               positions.data(), 0, sizeof(Vec3f), mesh.positions.size());
+    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
+                               mesh.triangles.size());
+    rtcCommitGeometry(geometry.get());
+    return geometry;
+}
+
+void fill_ray(RTCRay& ray, const Vec3& origin, const Vec3& direction) {
+    ray = {};
+    ray.org_x = static_cast<float>(origin.x);
+    ray.org_y = static_cast<float>(origin.y);
+    ray.org_z = static_cast<float>(origin.z);
+    ray.dir_x = static_cast<float>(direction.x);
+    ray.dir_y = static_cast<float>(direction.y);
+    ray.dir_z = static_cast<float>(direction.z);
+    ray.tnear = 0;
+    ray.tfar = std::numeric_limits<float>::infinity();
+    ray.mask = ~0u;
+}
+
+#if RTC_VERSION_MAJOR >= 4
+void embree_intersect(RTCScene scene, RTCRayHit& ray) {
+    rtcIntersect1(scene, &ray);
+}
+void embree_occluded(RTCScene scene, RTCRay& ray) {
+    rtcOccluded1(scene, &ray);
+}
+#else
+void embree_intersect(RTCScene scene, RTCRayHit& ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+}
+void embree_occluded(RTCScene scene, RTCRay& ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+}
+#endif
+
+// How far a ray starts off its surface, in units of the farthest coordinate of the triangle it
+// leaves: 16 half units in the last place of a float. The hit itself is found in double from the
+// triangle's corners, so what must be covered is the rounding of the ray's origin (½ such unit) and
+// of Embree's test against corners of that size (a few). Scales with the scene, unlike a constant;
+// the idea is Wächter & Binder's, Ray Tracing Gems (2019), ch. 6.
+constexpr double kOffset = 0x1p-20;
+
+}  // namespace
+
+// A geometry or an instance of the top scene, by its Embree identifier.
+struct Placed {
+    int instance;
+    bool flat;  // its corners already lie in centred world coordinates
+};
+
+struct Accel::Impl {
+    const Scene& scene;
+    Vec3 center;
+    double radius = 0;
+    Device device;
+    std::vector<EmbreeScene> mesh_scenes;            // of meshes that are placed more than once
+    std::vector<std::vector<Vec3f>> flat_positions;  // per instance; empty where not flat
+    std::vector<Placed> placed;
+    EmbreeScene top;
+
+    explicit Impl(const Scene& s) : scene(s), device(rtcNewDevice(nullptr)) {
+        if (!device) throw Error("scene: Embree finds no usable processor");
+        const Box box = bounds(scene);
+        center = box.center();
+        radius = length(box.upper - center);
+        top = new_scene(device.get());
+        build();
+        rtcCommitScene(top.get());
+        check(device.get());
+    }
+
+    void build() {
+        std::vector<int> uses(scene.meshes.size(), 0);
+        for (const Instance& i : scene.instances) ++uses[static_cast<std::size_t>(i.mesh)];
+        mesh_scenes.resize(scene.meshes.size());
+        flat_positions.resize(scene.instances.size());
+        for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+            const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
+            const bool flat = uses[mesh] == 1;
+            const Geometry geometry = flat ? flat_geometry(i) : instance_geometry(i);
+            const unsigned id = rtcAttachGeometry(top.get(), geometry.get());
+            if (placed.size() <= id) placed.resize(id + 1);
+            placed[id] = {static_cast<int>(i), flat};
+            check(device.get());
+        }
+    }
+
+    Geometry flat_geometry(std::size_t i) {
+        const Instance& instance = scene.instances[i];
+        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+        Affine to_center = instance.to_world;
+        to_center.t = to_center.t - center;
+        std::vector<Vec3f>& positions = flat_positions[i];
+        positions.reserve(mesh.positions.size() + 1);
+        for (const Vec3f& p : mesh.positions) positions.push_back(Vec3f(to_center.point(Vec3(p))));
+        positions.push_back({});  // Embree reads 16 bytes a corner
+        return triangle_geometry(device.get(), positions, mesh);
+    }
+
+    Geometry instance_geometry(std::size_t i) {
+        const Instance& instance = scene.instances[i];
+        const auto m = static_cast<std::size_t>(instance.mesh);
+        if (!mesh_scenes[m]) {
+            mesh_scenes[m] = new_scene(device.get());
+            shared_positions.push_back(scene.meshes[m].positions);
+            shared_positions.back().push_back({});
+            const Geometry geometry =
+                triangle_geometry(device.get(), shared_positions.back(), scene.meshes[m]);
+            rtcAttachGeometry(mesh_scenes[m].get(), geometry.get());
+            rtcCommitScene(mesh_scenes[m].get());
+        }
+        Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(geometry.get(), mesh_scenes[m].get());
+        const Affine& a = instance.to_world;
+        const Vec3 t = a.t - center;
+        const std::array<Vec3f, 4> columns{Vec3f(a.x), Vec3f(a.y), Vec3f(a.z), Vec3f(t)};
+        rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                                columns.data());
+        rtcCommitGeometry(geometry.get());
+        return geometry;
+    }
+
+    // Corners of the triangle hit, in centred world coordinates.
+    std::array<Vec3, 3> corners(const Placed& at, unsigned primitive) const {
+        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
+        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+        const auto& triangle = mesh.triangles[primitive];
+        std::array<Vec3, 3> p;
+        for (std::size_t i = 0; i < 3; ++i)
+            p[i] = at.flat
+                       ? Vec3(flat_positions[static_cast<std::size_t>(at.instance)][triangle[i]])
+                       : instance.to_world.point(Vec3(mesh.positions[triangle[i]])) - center;
+        return p;
+    }
+
+    Hit surface_point(const RTCRayHit& found, const Vec3& direction) const;
+
+    std::vector<std::vector<Vec3f>> shared_positions;  // per shared mesh, in order of first use
+};
+
+// Position and normals from the triangle's corners in double: what Embree returns of them is
+// rounded to float along the whole ray.
+Hit Accel::Impl::surface_point(const RTCRayHit& found, const Vec3& direction) const {
+    const bool instanced = found.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+    const Placed& at = placed[instanced ? found.hit.instID[0] : found.hit.geomID];
+    const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    const std::array<Vec3, 3> p = corners(at, found.hit.primID);
+    const double u = static_cast<double>(found.hit.u), v = static_cast<double>(found.hit.v);
+
+    Hit hit;
+    hit.instance = at.instance;
+    hit.distance = static_cast<double>(found.ray.tfar);
+    hit.position = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
+    const Vec3 outward = cross(p[1] - p[0], p[2] - p[0]);
+    const double area = length(outward);
+    double reach = 0;
+    for (const Vec3& c : p) reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    hit.offset = kOffset * reach;
+    // A needle's area can vanish in double; Embree then hits it edge-on at most.
+    hit.ng = area > 0 ? outward / area : -direction;
+    if (dot(hit.ng, direction) > 0) hit.ng = -hit.ng;
+    hit.n = hit.ng;
+    if (mesh.normals.empty()) return hit;
+
+    const auto& triangle = mesh.triangles[found.hit.primID];
+    const Vec3 mean = (1 - u - v) * Vec3(mesh.normals[triangle[0]]) +
+                      u * Vec3(mesh.normals[triangle[1]]) + v * Vec3(mesh.normals[triangle[2]]);
+    const Vec3 smooth = instance.to_world.normal(mean);
+    const double norm = length(smooth);
+    if (!(norm > 0)) return hit;
+    const Vec3 n = smooth / (dot(smooth, hit.ng) < 0 ? -norm : norm);
+    // Near a silhouette a smooth normal can face away from the viewer; the flat one cannot.
+    if (dot(n, direction) < 0) hit.n = n;
+    return hit;
+}
+
+Accel::Accel(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+Accel::~Accel() = default;
+Accel::Accel(Accel&&) noexcept = default;
+Accel& Accel::operator=(Accel&&) noexcept = default;
+
+const Vec3& Accel::center() const {
+    return impl_->center;
+}
+double Accel::radius() const {
+    return impl_->radius;
+}
+
+std::optional<Hit> Accel::intersect(const Vec3& origin, const Vec3& direction) const {
+    // Debian's Embree has its assertions on: a NaN would end the process.
+    if (!is_finite(origin) || !is_finite(direction)) return std::nullopt;
+    RTCRayHit found;
+    fill_ray(found.ray, origin, direction);
+    found.hit = {};
+    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    embree_intersect(impl_->top.get(), found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return impl_->surface_point(found, direction);
+}
+
+bool Accel::occluded(const Vec3& origin, const Vec3& direction) const {
+    if (!is_finite(origin) || !is_finite(direction)) return true;
+    RTCRay ray;
+    fill_ray(ray, origin, direction);
+    embree_occluded(impl_->top.get(), ray);
+    return ray.tfar < 0;
+}
+
+Vec3 Accel::leave(const Hit& hit, const Vec3& toward) {
+    return hit.position + (dot(hit.ng, toward) < 0 ? -hit.offset : hit.offset) * hit.ng;
+}
+
+}  // namespace malus

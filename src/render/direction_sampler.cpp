@@ -1,0 +1,202 @@
+// direction_sampler.cpp — lobes of facets by inversion, and their mixture.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/direction_sampler.h"
+
+#include <algorithm>
+
+namespace malus {
+namespace {
+
+constexpr std::size_t kMostLobes = 8;
+const double kInvSqrtPi = 1 / std::sqrt(kPi);
+
+// y with ½ erfc(−y) = u: a slope of density e^{−y²}/√π. Winitzki's approximation (2008; 2e-3),
+// then one step of Halley, which leaves 1e-8.
+double gaussian_slope(double u) {
+    constexpr double a = 0.147;
+    const double log_term = std::log(4 * u * (1 - u));
+    const double b = 2 / (kPi * a) + 0.5 * log_term;
+    const double y0 =
+        std::copysign(std::sqrt(std::max(0.0, std::sqrt(b * b - log_term / a) - b)), u - 0.5);
+    const double error = u < 0.5 ? 0.5 * std::erfc(-y0) - u : (1 - u) - 0.5 * std::erfc(y0);
+    const double newton = error / (kInvSqrtPi * std::exp(-y0 * y0));
+    return y0 - newton / (1 + y0 * newton);
+}
+
+// A view stretched so that slopes have unit roughness: cosine and sine to the normal, and the
+// stretched length.
+struct StretchedView {
+    double cos, sin, length;
+};
+StretchedView stretched(const Vec3& wo, double alpha) {
+    const double across = alpha * std::hypot(wo.x, wo.y);
+    const double norm = std::hypot(across, wo.z);
+    return {wo.z / norm, across / norm, norm};
+}
+
+// ∫_{−∞}^{X} (cos − x sin) e^{−x²}/√π dx: facets of slope below X, weighed by how much the view
+// sees of them.
+double seen_below(const StretchedView& view, double X) {
+    return 0.5 * view.cos * std::erfc(-X) + 0.5 * view.sin * kInvSqrtPi * std::exp(-X * X);
+}
+
+// The steepest slope that the view sees, cot of its stretched angle.
+double last_slope(const StretchedView& view) {
+    return view.sin > 0 ? view.cos / view.sin : HUGE_VAL;
+}
+
+// X with seen_below(X) = u · seen_below(last): Newton's method kept inside a shrinking bracket.
+double visible_slope(const StretchedView& view, double u) {
+    double low = -6.5, high = std::min(last_slope(view), 6.5);
+    const double target = u * seen_below(view, last_slope(view));
+    // Exact for a view along the normal, near for others: the visible slopes' mean is shifted.
+    double X = std::clamp(gaussian_slope(u) - 0.5 * view.sin * (1 - 0.3 * view.cos), low, high);
+    for (int i = 0; i < 40; ++i) {
+        const double gauss = kInvSqrtPi * std::exp(-X * X);
+        const double error = 0.5 * view.cos * std::erfc(-X) + 0.5 * view.sin * gauss - target;
+        (error > 0 ? high : low) = X;
+        const double density = (view.cos - X * view.sin) * gauss;
+        double next = density > 0 ? X - error / density : HUGE_VAL;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (std::abs(next - X) < 1e-9) return next;
+        X = next;
+    }
+    return X;
+}
+
+Vec3 reflect(const Vec3& wo, const Vec3& h) {
+    return 2 * dot(wo, h) * h - wo;
+}
+
+Vec3 cosine_hemisphere(double u1, double u2) {
+    const double r = std::sqrt(u1), phi = 2 * kPi * u2;
+    return {r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u1)};
+}
+
+// A facet normal of the Beckmann distribution as seen from wo.
+Vec3 visible_normal(const Vec3& wo, double sigma, double u1, double u2) {
+    const double alpha = std::sqrt(2.0) * sigma;
+    const double along = alpha * visible_slope(stretched(wo, alpha), u1);
+    const double across = alpha * gaussian_slope(u2);
+    // Slopes are along and across the view's azimuth; the normal is (−slope, 1).
+    const double r = std::hypot(wo.x, wo.y);
+    const double c = r > 0 ? wo.x / r : 1, s = r > 0 ? wo.y / r : 0;
+    return normalize(Vec3{-(c * along - s * across), -(s * along + c * across), 1});
+}
+
+// tan²θ of Cauchy slopes by inversion of ∫ dt/((1+t)(a+t)) = ln[(a+t)/(a(1+t))]/(1−a), a = σ².
+double cauchy_tan2(double sigma, double u) {
+    const double a = sigma * sigma, log_a = std::log(a);
+    if (std::abs(log_a) < 1e-9) return u / (1 - u);
+    return a * std::expm1(-u * log_a) / -std::expm1((1 - u) * log_a);
+}
+
+// ∫ P dΩ / B of Cauchy slopes: π ln(1/a)/(1−a).
+double cauchy_norm(double sigma) {
+    const double a = sigma * sigma;
+    return std::abs(a - 1) < 1e-9 ? kPi : -kPi * std::log(a) / (1 - a);
+}
+
+Vec3 cauchy_normal(double sigma, double u1, double u2) {
+    const double tan_theta = std::sqrt(cauchy_tan2(sigma, u1)), phi = 2 * kPi * u2;
+    return normalize(Vec3{tan_theta * std::cos(phi), tan_theta * std::sin(phi), 1});
+}
+
+// What facets and volume of a row reflect at this view, about.
+struct Parts {
+    double facets, volume;
+};
+Parts reflected_parts(const PriestGermer<double>& p, Slopes slopes, double cos_o) {
+    const double norm = slopes == Slopes::kGaussian ? 1 : cauchy_norm(p.sigma);
+    return {p.B * norm * fresnel(p.n, p.k, cos_o).a, kPi * volume(p.rho_d, p.rho_v, 0.5, cos_o)};
+}
+
+}  // namespace
+
+DirectionSampler::DirectionSampler(std::span<const PriestGermer<double>> rows, Slopes slopes)
+    : slopes_(slopes) {
+    for (std::size_t i = 0; i < kViews; ++i) {
+        const double cos_o = std::max(1e-3, static_cast<double>(i) / (kViews - 1));
+        double sum = 0, count = 0;
+        bool facets = false, volume = false;
+        for (const PriestGermer<double>& p : rows) {
+            const Parts parts = reflected_parts(p, slopes, cos_o);
+            facets = facets || parts.facets > 0;
+            volume = volume || parts.volume > 0;
+            if (!(parts.facets + parts.volume > 0)) continue;
+            sum += parts.volume / (parts.facets + parts.volume);
+            count += 1;
+        }
+        if (count > 0) black_ = false;
+        // Neither part may starve: its share bounds the weight of its light.
+        const double share = count > 0 ? sum / count : 1;
+        volume_share_[i] = facets && volume ? std::clamp(share, 0.1, 0.9) : facets ? 0 : 1;
+    }
+    // Lobes, from the roughest down: each takes the rows that are smoother by up to a fifth.
+    std::vector<double> sigmas;
+    for (const PriestGermer<double>& p : rows)
+        if (p.B > 0) sigmas.push_back(p.sigma);
+    std::sort(sigmas.begin(), sigmas.end(), std::greater<>());
+    double ratio = 1.2;
+    do {
+        lobes_.clear();
+        for (double sigma : sigmas) {
+            if (lobes_.empty() || sigma * ratio < lobes_.back().sigma) lobes_.push_back({sigma, 0});
+            lobes_.back().share += 1 / static_cast<double>(sigmas.size());
+        }
+        ratio *= 1.2;
+    } while (lobes_.size() > kMostLobes);
+}
+
+double DirectionSampler::volume_share(double cos_o) const {
+    if (lobes_.empty()) return 1;
+    const double x = std::min(cos_o, 1.0) * (kViews - 1);
+    const auto i = std::min(static_cast<std::size_t>(x), kViews - 2);
+    const double t = x - static_cast<double>(i);
+    return (1 - t) * volume_share_[i] + t * volume_share_[i + 1];
+}
+
+DirectionSampler::View::View(const DirectionSampler& sampler, const Vec3& wo)
+    : sampler_(sampler), wo_(wo), volume_share_(sampler.volume_share(wo.z)), visible_area_{} {
+    if (sampler.slopes_ != Slopes::kGaussian) return;
+    for (std::size_t j = 0; j < sampler.lobes_.size(); ++j) {
+        const StretchedView view = stretched(wo, std::sqrt(2.0) * sampler.lobes_[j].sigma);
+        visible_area_[j] = view.length * seen_below(view, last_slope(view));
+    }
+}
+
+Vec3 DirectionSampler::View::sample(double u_lobe, double u1, double u2) const {
+    if (u_lobe < volume_share_) return cosine_hemisphere(u1, u2);
+    double rest = (u_lobe - volume_share_) / (1 - volume_share_);
+    std::size_t j = 0;
+    while (j + 1 < sampler_.lobes_.size() && rest >= sampler_.lobes_[j].share)
+        rest -= sampler_.lobes_[j++].share;
+    const double sigma = sampler_.lobes_[j].sigma;
+    const Vec3 h = sampler_.slopes_ == Slopes::kGaussian ? visible_normal(wo_, sigma, u1, u2)
+                                                         : cauchy_normal(sigma, u1, u2);
+    return reflect(wo_, h);
+}
+
+double DirectionSampler::View::pdf(const Vec3& wi) const {
+    if (!(wi.z > 0)) return 0;
+    const Vec3 sum = wi + wo_;
+    const double norm2 = dot(sum, sum);
+    const double cos2 = sum.z * sum.z / norm2;
+    const double tan2 = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
+    const double wo_h = 0.5 * std::sqrt(norm2);
+    double facets = 0;
+    for (std::size_t j = 0; j < sampler_.lobes_.size(); ++j) {
+        const auto& [sigma, share] = sampler_.lobes_[j];
+        if (sampler_.slopes_ == Slopes::kGaussian) {
+            const double alpha2 = 2 * sigma * sigma;
+            const double D = std::exp(-tan2 / alpha2) / (kPi * alpha2 * cos2 * cos2);
+            facets += share * D / (4 * visible_area_[j]);
+        } else {
+            const double P = 1 / (std::sqrt(cos2) * (sigma * sigma + tan2));
+            facets += share * P / (4 * wo_h * cauchy_norm(sigma));
+        }
+    }
+    return volume_share_ * wi.z / kPi + (1 - volume_share_) * facets;
+}
+
+}  // namespace malus

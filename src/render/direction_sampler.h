@@ -1,0 +1,67 @@
+// direction_sampler.h — draws directions of light for a surface, for all wavelengths at once.
+//
+//   pdf(wi) = q_vol cosθi/π + Σ_j q_j p_j(wi)                                              [sr⁻¹]
+//   Gaussian slopes: facets as the sensor sees them (visible normals of the Beckmann distribution
+//     D of roughness α = √2 σ):  p_j = D(h) / (4 A(wo)),  A = ∫ max(0, wo·h) D(h) dω_h
+//   Cauchy slopes:  p_j = P(h) / (4 (wo·h) ∫P dΩ)
+//
+// One mixture serves all wavelengths: roughnesses within a fifth of each other share a lobe, and
+// q follows the mean over the wavelengths of what the parts reflect at this view. Every
+// wavelength's f/pdf is then bounded wherever its own lobe's would be. Frame   directions are
+// local: z is the shading normal. Source  Walter et al., Microfacet Models for Refraction (EGSR
+// 2007); Heitz & d'Eon, Importance
+//         Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals (EGSR 2014).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "malus/optics/priest_germer.h"
+
+namespace malus {
+
+/// The lobes of a paint; built once a render, shared by threads.
+class DirectionSampler {
+  public:
+    /// `rows`: the paint's parameters at each wavelength of the render.
+    DirectionSampler(std::span<const PriestGermer<double>> rows, Slopes slopes);
+
+    /// Does the paint reflect anything at any wavelength?
+    bool black() const { return black_; }
+
+    /// The mixture as seen from one direction.
+    class View {
+      public:
+        /// wo: local, wo.z > 0.
+        View(const DirectionSampler& sampler, const Vec3& wo);
+        /// A direction wi from three numbers in (0,1); may lie below the surface (wi.z ≤ 0),
+        /// where f = 0 and the sample counts as nothing.
+        Vec3 sample(double u_lobe, double u1, double u2) const;
+        /// Density of sample() at wi, sr⁻¹.
+        double pdf(const Vec3& wi) const;
+
+      private:
+        const DirectionSampler& sampler_;
+        Vec3 wo_;
+        double volume_share_;
+        std::array<double, 8> visible_area_;  // A(wo) of each Gaussian lobe
+    };
+
+  private:
+    struct Lobe {
+        double sigma;
+        double share;  // of the facet part
+    };
+    static constexpr std::size_t kViews = 33;  // nodes of volume_share_ over cosθo
+
+    double volume_share(double cos_o) const;
+
+    Slopes slopes_;
+    bool black_ = true;
+    std::vector<Lobe> lobes_;
+    std::array<double, kViews> volume_share_{};
+};
+
+}  // namespace malus

@@ -1,0 +1,148 @@
+// path_tracer.cpp — the path loop, and its shading.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/path_tracer.h"
+
+namespace malus {
+namespace {
+
+// Which numbers of a block serve what.
+enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kPixelX, kPixelY };
+
+Stokes<Lanes> sky_light(const SkyDome& sky, const SkyLookup& at, std::size_t first) {
+    Stokes<Lanes> S{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Lanes weight(at.weight[i]);
+        const auto row = [&](int c) {
+            return weight * Lanes::load_unaligned(sky.row(at.node[i], c) + first);
+        };
+        S = S + Stokes<Lanes>{row(0), row(1), row(2), row(3)};
+    }
+    return S;
+}
+
+bool is_sky(const SkyLookup& at) {
+    return at.weight != std::array<float, 4>{};
+}
+
+Stokes<Lanes> reflected(const Surface& surface, std::size_t first, const Bounce& bounce,
+                        const Stokes<Lanes>& S) {
+    const BrdfMueller<Lanes> f =
+        eval(surface.lanes(first), surface.slopes(), surface.attenuation(), bounce.geometry);
+    return turned(real<Lanes>(bounce.weight) * (f * turned(S, bounce.in)), bounce.out);
+}
+
+}  // namespace
+
+PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
+                       const RenderSettings& settings)
+    : scene_(scene), camera_(camera), settings_(settings) {}
+
+// 1/pdf of a direction to the sky, as the balance heuristic weighs it.
+double PathTracer::sky_weight(double by_sky, double by_surface, Lighting drawn_by) const {
+    if (settings_.lighting == Lighting::kBoth) return 1 / (by_sky + by_surface);
+    if (settings_.lighting != drawn_by) return 0;
+    return 1 / (drawn_by == Lighting::kSkySamples ? by_sky : by_surface);
+}
+
+void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
+                       Path& path) const {
+    path.vertices.clear();
+    SamplePoint u = sampler.point(sample, 0);
+    Ray ray = camera_ray(camera_, pixel_x + u[kPixelX], pixel_y + u[kPixelY], settings_.width,
+                         settings_.height);
+    ray.origin = ray.origin - scene_.accel.center();
+    // The frame in which light must leave the vertex: first the picture's, then the facet's.
+    BeamFrame toward = image_frame(camera_, -ray.direction);
+
+    ++path.rays;
+    std::optional<Hit> hit = scene_.accel.intersect(ray.origin, ray.direction);
+    if (!hit) {
+        path.sky = scene_.sky.locate(ray.direction);
+        path.sky_turn = turn_between(fixed_frame(ray.direction), toward);
+        return;
+    }
+    for (int depth = 1; hit; ++depth) {
+        if (depth > 1) u = sampler.point(sample, static_cast<std::uint32_t>(depth - 1));
+        const Surface& surface = scene_.surface_of(hit->instance);
+        const Vec3 wo = -ray.direction;
+        Vertex& vertex = path.vertices.emplace_back();
+        vertex.instance = hit->instance;
+        vertex.distance = hit->distance;
+        if (surface.directions().black()) return;
+
+        // Sky light from a direction drawn by the sky's brightness.
+        const Basis basis(hit->n);
+        const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
+        sample_sky(*hit, wo, lobes, u, toward, vertex, path.rays);
+
+        // A direction drawn by the surface's lobes; facets that point it underground reflect none.
+        const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
+        const Vec3 wi = basis.to_world(local);
+        if (!(local.z > 0) || !(dot(wi, hit->ng) > 0)) return;
+        const double pdf = lobes.pdf(local);
+        if (!(pdf > 0)) return;
+        vertex.onward.geometry = reflection(hit->n, wi, wo);
+        vertex.onward.out = turn_between(vertex.onward.geometry.out, toward);
+        const double cos_i = vertex.onward.geometry.cos_i;
+
+        // On the last bounce only the sky beyond matters.
+        ray = {Accel::leave(*hit, wi), wi};
+        const bool last = depth == settings_.max_depth;
+        ++path.rays;
+        const bool blocked = last && scene_.accel.occluded(ray.origin, wi);
+        hit = last ? std::nullopt : scene_.accel.intersect(ray.origin, wi);
+        if (blocked) return;
+        if (hit) {
+            vertex.onward.weight = cos_i / pdf;
+            toward = vertex.onward.geometry.in;
+        } else {
+            vertex.onward_light = scene_.sky.locate(wi);
+            vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
+            vertex.onward.weight =
+                cos_i * sky_weight(scene_.sky.pdf(wi), pdf, Lighting::kSurfaceSamples);
+        }
+    }
+}
+
+// Fills the vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
+void PathTracer::sample_sky(const Hit& hit, const Vec3& wo, const DirectionSampler::View& lobes,
+                            const SamplePoint& u, const BeamFrame& toward, Vertex& vertex,
+                            std::uint64_t& rays) const {
+    const SkySample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
+    const double cos_i = dot(sky.w, hit.n);
+    if (!(sky.pdf > 0) || !(cos_i > 0) || !(dot(sky.w, hit.ng) > 0)) return;
+    ++rays;
+    if (scene_.accel.occluded(Accel::leave(hit, sky.w), sky.w)) return;
+    const Basis basis(hit.n);
+    Bounce& bounce = vertex.sky_sample;
+    bounce.geometry = reflection(hit.n, sky.w, wo);
+    bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);
+    bounce.out = turn_between(bounce.geometry.out, toward);
+    bounce.weight =
+        cos_i * sky_weight(sky.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kSkySamples);
+    vertex.sky_sample_light = scene_.sky.locate(sky.w);
+}
+
+void PathTracer::shade(const Path& path, float* S) const {
+    for (std::size_t first = 0; first < stride(); first += kLanes) {
+        Stokes<Lanes> light{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
+        if (path.vertices.empty())
+            light = turned(sky_light(scene_.sky, path.sky, first), path.sky_turn);
+        for (auto vertex = path.vertices.rbegin(); vertex != path.vertices.rend(); ++vertex) {
+            const Surface& surface = scene_.surface_of(vertex->instance);
+            const bool onward_sky = is_sky(vertex->onward_light);
+            if (onward_sky) light = sky_light(scene_.sky, vertex->onward_light, first);
+            light = vertex->onward.weight > 0 ? reflected(surface, first, vertex->onward, light)
+                                              : 0.f * light;
+            if (vertex->sky_sample.weight > 0)
+                light = light + reflected(surface, first, vertex->sky_sample,
+                                          sky_light(scene_.sky, vertex->sky_sample_light, first));
+        }
+        light.s0.store_unaligned(S + first);
+        light.s1.store_unaligned(S + stride() + first);
+        light.s2.store_unaligned(S + 2 * stride() + first);
+        light.s3.store_unaligned(S + 3 * stride() + first);
+    }
+}
+
+}  // namespace malus

@@ -1,0 +1,70 @@
+// path_tracer.h — one path of light: traced once, then shaded for all wavelengths.
+//
+//   L_o(wo) = ∫ f(wi,wo) L_i(wi) cosθi dωi,  L_i the sky's light where nothing is hit, else what
+//   the surface met reflects.
+//
+// Trace   from the detector into the scene. Each vertex draws one direction by the sky's
+//         brightness and one by the surface's lobes; sky light found by both is weighed by the
+//         balance heuristic (Veach & Guibas 1995): cosθi / (p_sky + p_surface). The second
+//         direction also leads on to the next vertex, with weight cosθi / p_surface.
+// Shade   from the far end back: S ← light of the sky + M·S, in vector registers over wavelength.
+//         Turns between frames are two numbers a segment.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "malus/core/sampler.h"
+#include "render/prepared_scene.h"
+
+namespace malus {
+
+/// One reflection at a vertex: from the light's frame through the facet to the next frame.
+struct Bounce {
+    Reflection geometry;
+    Turn in, out;
+    double weight = 0;  ///< sr; 0: no light this way
+};
+
+/// A surface met by the path.
+struct Vertex {
+    int instance;
+    double distance;    ///< from the previous vertex, m
+    Bounce sky_sample;  ///< direction drawn by the sky's brightness
+    SkyLookup sky_sample_light;
+    Bounce onward;           ///< direction drawn by the surface's lobes
+    SkyLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
+};
+
+/// What a path needs to be shaded. Reused from path to path.
+struct Path {
+    std::vector<Vertex> vertices;  ///< from the detector on
+    SkyLookup sky;                 ///< what the detector sees directly, if no vertex
+    Turn sky_turn;
+    std::uint64_t rays = 0;  ///< counted since the owner last set it to 0
+};
+
+class PathTracer {
+  public:
+    PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
+               const RenderSettings& settings);
+
+    /// The path of `sample` through the box of pixel (pixel_x, pixel_y).
+    void trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
+               Path& path) const;
+    /// Stokes vectors in the image frame: four rows of stride() floats, wavelength innermost.
+    void shade(const Path& path, float* S) const;
+    std::size_t stride() const { return padded(scene_.wavelengths_nm.size()); }
+
+  private:
+    void sample_sky(const Hit& hit, const Vec3& wo, const DirectionSampler::View& lobes,
+                    const SamplePoint& u, const BeamFrame& toward, Vertex& vertex,
+                    std::uint64_t& rays) const;
+    double sky_weight(double by_sky, double by_surface, Lighting drawn_by) const;
+
+    const PreparedScene::Impl& scene_;
+    const Camera& camera_;
+    const RenderSettings& settings_;
+};
+
+}  // namespace malus

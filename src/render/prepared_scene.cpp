@@ -1,0 +1,79 @@
+// prepared_scene.cpp — paints brought to the wavelengths of a render.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/prepared_scene.h"
+
+#include "malus/core/contract.h"
+
+namespace malus {
+namespace {
+
+std::vector<PriestGermer<double>> rows_at(const Material& material,
+                                          std::span<const double> wavelengths_nm) {
+    std::vector<PriestGermer<double>> rows;
+    for (double nm : wavelengths_nm) rows.push_back(parameters_at(material, nm));
+    return rows;
+}
+
+// Lanes `first` to first + kLanes of one parameter; lanes beyond the last wavelength repeat it, so
+// that they compute something harmless.
+Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t first,
+           double PriestGermer<double>::*parameter) {
+    alignas(64) std::array<float, kLanes> values;
+    for (std::size_t i = 0; i < kLanes; ++i)
+        values[i] = static_cast<float>(rows[std::min(first + i, rows.size() - 1)].*parameter);
+    return Lanes::load_aligned(values.data());
+}
+
+}  // namespace
+
+Surface::Surface(const Material& material, std::span<const double> wavelengths_nm)
+    : slopes_(material.slopes),
+      attenuation_(material.attenuation),
+      directions_(rows_at(material, wavelengths_nm), material.slopes) {
+    using P = PriestGermer<double>;
+    const auto rows = rows_at(material, wavelengths_nm);
+    for (std::size_t i = 0; i < rows.size(); i += kLanes)
+        rows_.push_back({load(rows, i, &P::n), load(rows, i, &P::k), load(rows, i, &P::B),
+                         load(rows, i, &P::sigma), load(rows, i, &P::tau),
+                         load(rows, i, &P::inv_omega), load(rows, i, &P::rho_d),
+                         load(rows, i, &P::rho_v)});
+}
+
+PreparedScene::Impl::Impl(Scene s, std::vector<int> p, const std::vector<Material>& materials,
+                          const Sky& map, std::vector<double> nm)
+    : scene(std::move(s)),
+      paints(std::move(p)),
+      wavelengths_nm(std::move(nm)),
+      sky(map, wavelengths_nm),
+      accel(scene) {
+    EXPECT(paints.size() == scene.instances.size());
+    // Only paints in use must cover the wavelengths.
+    std::vector<int> surface_of(materials.size(), -1);
+    for (int& paint : paints) {
+        const auto m = static_cast<std::size_t>(paint);
+        if (surface_of[m] < 0) {
+            surface_of[m] = static_cast<int>(surfaces.size());
+            surfaces.emplace_back(materials[m], wavelengths_nm);
+        }
+        paint = surface_of[m];
+    }
+}
+
+PreparedScene::PreparedScene(Scene scene, std::vector<int> paints,
+                             const std::vector<Material>& materials, const Sky& sky,
+                             std::vector<double> wavelengths_nm)
+    : impl_(std::make_unique<Impl>(std::move(scene), std::move(paints), materials, sky,
+                                   std::move(wavelengths_nm))) {}
+
+PreparedScene::~PreparedScene() = default;
+PreparedScene::PreparedScene(PreparedScene&&) noexcept = default;
+PreparedScene& PreparedScene::operator=(PreparedScene&&) noexcept = default;
+
+const Scene& PreparedScene::scene() const {
+    return impl_->scene;
+}
+const std::vector<double>& PreparedScene::wavelengths_nm() const {
+    return impl_->wavelengths_nm;
+}
+
+}  // namespace malus

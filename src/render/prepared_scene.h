@@ -1,0 +1,48 @@
+// prepared_scene.h — what the path loop reads, laid out for it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "malus/render/render.h"
+#include "render/accel.h"
+#include "render/direction_sampler.h"
+#include "render/lanes.h"
+
+namespace malus {
+
+/// A paint at the wavelengths of a render: parameters in rows for vector registers.
+class Surface {
+  public:
+    Surface(const Material& material, std::span<const double> wavelengths_nm);
+
+    Slopes slopes() const { return slopes_; }
+    Attenuation attenuation() const { return attenuation_; }
+    const DirectionSampler& directions() const { return directions_; }
+    /// Parameters of the kLanes wavelengths from `first` on.
+    const PriestGermer<Lanes>& lanes(std::size_t first) const { return rows_[first / kLanes]; }
+
+  private:
+    Slopes slopes_;
+    Attenuation attenuation_;
+    DirectionSampler directions_;
+    std::vector<PriestGermer<Lanes>> rows_;
+};
+
+struct PreparedScene::Impl {
+    Scene scene;
+    std::vector<int> paints;  // per instance, index into surfaces
+    std::vector<double> wavelengths_nm;
+    std::vector<Surface> surfaces;
+    SkyDome sky;
+    Accel accel;  // refers to scene
+
+    Impl(Scene s, std::vector<int> p, const std::vector<Material>& materials, const Sky& map,
+         std::vector<double> nm);
+
+    const Surface& surface_of(int instance) const {
+        return surfaces[static_cast<std::size_t>(paints[static_cast<std::size_t>(instance)])];
+    }
+};
+
+}  // namespace malus

@@ -1,0 +1,76 @@
+// camera.cpp — rays and automatic framing.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/scene/camera.h"
+
+#include "malus/core/frame.h"
+
+namespace malus {
+namespace {
+
+// Half the width and height of the plane that an orthographic picture shows, m.
+struct HalfSize {
+    double x, y;
+};
+HalfSize orthographic_half_size(const Camera& camera, int width, int height) {
+    const double aspect = static_cast<double>(width) / height;
+    const double y = std::max(camera.ymag, camera.xmag / aspect);
+    return {y * aspect, y};
+}
+
+void orient(Camera& camera, const View& view) {
+    const Vec3 d = direction(view.zenith, view.azimuth);
+    camera.forward = -d;
+    // Exactly up or down the vertical has no image; sin π is not 0 in double.
+    const bool vertical = std::hypot(d.x, d.z) < 1e-12;
+    if (vertical) camera.forward = {0, d.y > 0 ? -1.0 : 1.0, 0};
+    const Vec3 up = vertical ? kNorth : kUp;
+    camera.up = normalize(up - dot(up, camera.forward) * camera.forward);
+    camera.right = cross(camera.forward, camera.up);
+}
+
+}  // namespace
+
+Ray camera_ray(const Camera& camera, double px, double py, int width, int height) {
+    const double x = 2 * px / width - 1, y = 1 - 2 * py / height;  // [-1, 1], right and up
+    if (camera.projection == Projection::kPerspective) {
+        const double tan_y = std::tan(0.5 * camera.yfov), tan_x = tan_y * width / height;
+        return {camera.position,
+                normalize(camera.forward + x * tan_x * camera.right + y * tan_y * camera.up)};
+    }
+    const HalfSize half = orthographic_half_size(camera, width, height);
+    return {camera.position + x * half.x * camera.right + y * half.y * camera.up, camera.forward};
+}
+
+BeamFrame image_frame(const Camera& camera, const Vec3& k) {
+    return {k, normalize(camera.right - dot(camera.right, k) * k)};
+}
+
+Camera frame_view(const View& view, const Box& box, int width, int height) {
+    Camera camera;
+    camera.name = "view";
+    orient(camera, view);
+    // The box as seen: extents across the picture, and how far back it must be seen from.
+    const double free = 1 - 2 * view.margin, aspect = static_cast<double>(width) / height;
+    const double tan_y = std::tan(0.5 * view.yfov.value_or(kPi / 2)), tan_x = tan_y * aspect;
+    double half_x = 0, half_y = 0, radius = 0, back = 0;
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 p = box.corner(i) - box.center();
+        const double x = std::abs(dot(p, camera.right)), y = std::abs(dot(p, camera.up));
+        half_x = std::max(half_x, x), half_y = std::max(half_y, y);
+        radius = std::max(radius, length(p));
+        back = std::max(back, std::max(x / tan_x, y / tan_y) / free - dot(p, camera.forward));
+    }
+    const double least = std::max(1e-9, 1e-9 * radius);
+    camera.xmag = std::max(half_x / free, least);
+    camera.ymag = std::max(half_y / free, least);
+    if (view.yfov) {
+        camera.projection = Projection::kPerspective;
+        camera.yfov = *view.yfov;
+        camera.position = box.center() - std::max(back, least) * camera.forward;
+    } else {
+        camera.position = box.center() - (1.01 * radius + least) * camera.forward;
+    }
+    return camera;
+}
+
+}  // namespace malus

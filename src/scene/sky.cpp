@@ -1,0 +1,219 @@
+// sky.cpp — a sky map made ready for interpolation and importance sampling.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/scene/sky.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "malus/core/error.h"
+#include "malus/core/frame.h"
+#include "malus/optics/wavelengths.h"
+
+namespace malus {
+namespace {
+
+// Index of the last entry of the ascending cdf (first 0, last 1) that is ≤ u, of a cell that is
+// not empty.
+std::size_t find_cell(const double* cdf, std::size_t cells, double u) {
+    const double* found = std::upper_bound(cdf, cdf + cells, u);
+    std::size_t i = static_cast<std::size_t>(found - cdf);
+    i = i > 0 ? i - 1 : 0;
+    while (i + 1 < cells && cdf[i + 1] == cdf[i]) ++i;
+    while (i > 0 && cdf[i + 1] == cdf[i]) --i;
+    return i;
+}
+
+// Turns weights[0..cells) into a cdf in place, weights[cells] becoming 1; returns their sum.
+double make_cdf(double* weights, std::size_t cells) {
+    double sum = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+        const double w = weights[i];
+        weights[i] = sum;
+        sum += w;
+    }
+    weights[cells] = sum;
+    if (sum > 0)
+        for (std::size_t i = 0; i <= cells; ++i) weights[i] /= sum;
+    if (sum > 0) weights[cells] = 1;
+    return sum;
+}
+
+}  // namespace
+
+BeamFrame meridian_frame(const Vec3& w) {
+    const double h = std::hypot(w.x, w.z);
+    if (h == 0) return {-w, w.y > 0 ? -kNorth : kNorth};
+    return {-w, Vec3{-w.x * w.y / h, h, -w.z * w.y / h}};
+}
+
+BeamFrame fixed_frame(const Vec3& w) {
+    const BeamFrame meridian = meridian_frame(w);
+    const double a = azimuth_of(w);
+    return {meridian.k, std::cos(a) * meridian.x - std::sin(a) * meridian.y()};
+}
+
+SkyDome::Axis::Axis(std::vector<double> nodes) : nodes_(std::move(nodes)) {
+    const std::size_t guides = 2 * nodes_.size();
+    scale_ = static_cast<double>(guides) / (nodes_.back() - nodes_.front());
+    guide_.resize(guides + 1);
+    for (std::size_t g = 0; g <= guides; ++g) {
+        const double x = nodes_.front() + static_cast<double>(g) / scale_;
+        const auto above = std::upper_bound(nodes_.begin(), nodes_.end() - 1, x);
+        guide_[g] = static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(
+            0, std::min<std::ptrdiff_t>(above - nodes_.begin() - 1, std::ssize(nodes_) - 2)));
+    }
+}
+
+std::size_t SkyDome::Axis::cell(double x) const {
+    const double g = (x - nodes_.front()) * scale_;
+    const double last = static_cast<double>(guide_.size() - 1);
+    std::size_t i = guide_[static_cast<std::size_t>(std::clamp(g, 0.0, last))];
+    while (i > 0 && nodes_[i] > x) --i;
+    while (i + 2 < nodes_.size() && nodes_[i + 1] <= x) ++i;
+    return i;
+}
+
+SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
+    : wavelength_count_(wavelengths_nm.size()) {
+    std::vector<std::size_t> which;
+    for (double nm : wavelengths_nm) {
+        const auto index = find_wavelength(sky.wavelengths_nm, nm);
+        if (!index)
+            throw Error("sky: no wavelength " + to_text(nm) + " nm; it has " +
+                        to_text(sky.wavelengths_nm) + " nm");
+        which.push_back(*index);
+    }
+    // The zenith and the horizon become nodes, so that no direction lies outside the grid, and the
+    // first azimuth stands once more behind the last.
+    std::vector<double> zeniths = sky.zeniths, azimuths = sky.azimuths;
+    if (zeniths.front() > 0) zeniths.insert(zeniths.begin(), 0.0);
+    if (zeniths.back() < kPi / 2) zeniths.push_back(kPi / 2);
+    azimuths.push_back(azimuths.front() + 2 * kPi);
+    zenith_ = Axis(std::move(zeniths));
+    azimuth_ = Axis(std::move(azimuths));
+    fill_nodes(sky, which);
+    build_distribution();
+}
+
+void SkyDome::fill_nodes(const Sky& sky, std::span<const std::size_t> which) {
+    const std::size_t rows = zenith_.cells() + 1, columns = azimuth_.cells() + 1;
+    const bool pole_added = sky.zeniths.front() > 0;
+    data_.assign(rows * columns * 4 * wavelength_count_ + kPadding, 0.0f);
+    const auto store = [&](std::size_t row, std::size_t column, std::size_t w,
+                           const Stokes<double>& S) {
+        float* at = &data_[(row * columns + column) * 4 * wavelength_count_ + w];
+        at[0] = static_cast<float>(S.s0);
+        at[wavelength_count_] = static_cast<float>(S.s1);
+        at[2 * wavelength_count_] = static_cast<float>(S.s2);
+        at[3 * wavelength_count_] = static_cast<float>(S.s3);
+    };
+    for (std::size_t w = 0; w < which.size(); ++w) {
+        // In the fixed frame all azimuths of the zenith are one direction: their mean.
+        Stokes<double> pole;
+        const double share = 1 / static_cast<double>(sky.azimuths.size());
+        for (std::size_t row = 0; row < rows; ++row) {
+            const std::size_t file_row =
+                std::min(row - (pole_added && row > 0 ? 1 : 0), sky.zeniths.size() - 1);
+            for (std::size_t column = 0; column < columns; ++column) {
+                const std::size_t file_column = column % sky.azimuths.size();
+                // Axis turned by α = −a from the meridian.
+                const double a = sky.azimuths[file_column];
+                const Turn turn{std::cos(2 * a), -std::sin(2 * a)};
+                const Stokes<double> S = turned(sky.at(which[w], file_row, file_column), turn);
+                if (row == 0 && column < sky.azimuths.size()) pole = pole + share * S;
+                store(row, column, w, S);
+            }
+        }
+        for (std::size_t column = 0; column < columns; ++column) store(0, column, w, pole);
+    }
+}
+
+void SkyDome::build_distribution() {
+    const std::size_t rows = zenith_.cells(), columns = azimuth_.cells();
+    std::vector<double> mean(wavelength_count_, 0.0);
+    for (std::size_t node = 0; node < (rows + 1) * (columns + 1); ++node)
+        for (std::size_t w = 0; w < wavelength_count_; ++w)
+            mean[w] += static_cast<double>(row(static_cast<std::uint32_t>(node), 0)[w]);
+    const auto brightness = [&](std::size_t node) {
+        double sum = 0;
+        for (std::size_t w = 0; w < wavelength_count_; ++w)
+            if (mean[w] > 0)
+                sum += static_cast<double>(row(static_cast<std::uint32_t>(node), 0)[w]) / mean[w];
+        return sum;
+    };
+    row_cdf_.assign(rows + 1, 0.0);
+    column_cdf_.assign(rows * (columns + 1), 0.0);
+    for (std::size_t r = 0; r < rows; ++r) {
+        double* cells = &column_cdf_[r * (columns + 1)];
+        const double band = std::cos(zenith_.node(r)) - std::cos(zenith_.node(r + 1));
+        for (std::size_t c = 0; c < columns; ++c) {
+            const std::size_t node = r * (columns + 1) + c;
+            const double solid_angle = band * (azimuth_.node(c + 1) - azimuth_.node(c));
+            cells[c] =
+                solid_angle * (brightness(node) + brightness(node + 1) +
+                               brightness(node + columns + 1) + brightness(node + columns + 2));
+        }
+        row_cdf_[r] = make_cdf(cells, columns);
+    }
+    make_cdf(row_cdf_.data(), rows);
+}
+
+// The azimuth brought into the range of the axis, which starts at the map's first column.
+double SkyDome::wrapped(double azimuth) const {
+    return azimuth < azimuth_.node(0) ? azimuth + 2 * kPi : azimuth;
+}
+
+SkyLookup SkyDome::locate(const Vec3& w) const {
+    if (w.y < 0) return {};
+    const double z = zenith_of(w), a = wrapped(azimuth_of(w));
+    const std::size_t r = zenith_.cell(z), c = azimuth_.cell(a);
+    const double v =
+        std::clamp((z - zenith_.node(r)) / (zenith_.node(r + 1) - zenith_.node(r)), 0.0, 1.0);
+    const double u =
+        std::clamp((a - azimuth_.node(c)) / (azimuth_.node(c + 1) - azimuth_.node(c)), 0.0, 1.0);
+    const auto node = static_cast<std::uint32_t>(r * (azimuth_.cells() + 1) + c);
+    const auto below = static_cast<std::uint32_t>(node + azimuth_.cells() + 1);
+    return {{node, node + 1, below, below + 1},
+            {static_cast<float>((1 - v) * (1 - u)), static_cast<float>((1 - v) * u),
+             static_cast<float>(v * (1 - u)), static_cast<float>(v * u)}};
+}
+
+Stokes<double> SkyDome::radiance(const Vec3& w, std::size_t wavelength) const {
+    const SkyLookup at = locate(w);
+    std::array<double, 4> S{};
+    for (std::size_t i = 0; i < 4; ++i)
+        for (int c = 0; c < 4; ++c)
+            S[static_cast<std::size_t>(c)] += static_cast<double>(at.weight[i]) *
+                                              static_cast<double>(row(at.node[i], c)[wavelength]);
+    return {S[0], S[1], S[2], S[3]};
+}
+
+SkySample SkyDome::sample(double u1, double u2) const {
+    const std::size_t rows = zenith_.cells(), columns = azimuth_.cells();
+    if (row_cdf_[rows] == 0) return {};
+    const std::size_t r = find_cell(row_cdf_.data(), rows, u1);
+    const double* cdf = &column_cdf_[r * (columns + 1)];
+    const std::size_t c = find_cell(cdf, columns, u2);
+    const double row_share = row_cdf_[r + 1] - row_cdf_[r], column_share = cdf[c + 1] - cdf[c];
+    const double v = (u1 - row_cdf_[r]) / row_share, u = (u2 - cdf[c]) / column_share;
+    // Uniform in solid angle within the cell.
+    const double top = std::cos(zenith_.node(r)), bottom = std::cos(zenith_.node(r + 1));
+    const double width = azimuth_.node(c + 1) - azimuth_.node(c);
+    const double cos_z = std::max(0.0, top + std::clamp(v, 0.0, 1.0) * (bottom - top));
+    const double sin_z = std::sqrt((1 - cos_z) * (1 + cos_z));
+    const double a = azimuth_.node(c) + std::clamp(u, 0.0, 1.0) * width;
+    return {{sin_z * std::sin(a), cos_z, -sin_z * std::cos(a)},
+            row_share * column_share / ((top - bottom) * width)};
+}
+
+double SkyDome::pdf(const Vec3& w) const {
+    if (w.y < 0 || row_cdf_.back() == 0) return 0;
+    const std::size_t r = zenith_.cell(zenith_of(w));
+    const std::size_t c = azimuth_.cell(wrapped(azimuth_of(w)));
+    const double* cdf = &column_cdf_[r * (azimuth_.cells() + 1)];
+    const double solid_angle = (std::cos(zenith_.node(r)) - std::cos(zenith_.node(r + 1))) *
+                               (azimuth_.node(c + 1) - azimuth_.node(c));
+    return (row_cdf_[r + 1] - row_cdf_[r]) * (cdf[c + 1] - cdf[c]) / solid_angle;
+}
+
+}  // namespace malus
