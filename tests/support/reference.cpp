@@ -9,7 +9,8 @@
 //
 // with φ cut at the region's corners, so that each piece is smooth and needs no masking. Around
 // the specular peak these polar coordinates also turn the cone of SO at θ = 0 into a smooth
-// function. Pieces are integrated by globally adaptive bisection of 15×15 Gauss-Kronrod cells.
+// function. Pieces are first cut small beside the lobe, then integrated by globally adaptive
+// bisection of 15×15 Gauss-Kronrod cells.
 //
 // Error   |KK − GK| + |KK − KG| summed over the cells, K the 15- and G the 7-point rule: that is
 //         the error of the poorer rule, so the value is usually several digits better.
@@ -351,6 +352,15 @@ struct Cell {
     }
 };
 
+std::pair<Cell, Cell> halves(const Cell& cell, bool split_u) {
+    Cell left = cell, right = cell;
+    if (split_u)
+        left.u1 = right.u0 = (cell.u0 + cell.u1) / 2;
+    else
+        left.v1 = right.v0 = (cell.v0 + cell.v1) / 2;
+    return {left, right};
+}
+
 void integrate_cell(Cell& cell, const Sector& sector, const Integrand& f) {
     Stokes kk{}, gk{}, kg{};
     const double du = cell.u1 - cell.u0, dv = cell.v1 - cell.v0;
@@ -379,9 +389,66 @@ void integrate_cell(Cell& cell, const Sector& sector, const Integrand& f) {
     cell.split_u = largest(error_u) > largest(error_v);
 }
 
+/// The lobe that the cells must not step over: facet slopes of wi, and their RMS value.
+struct Lobe {
+    Vec3 n, wo;
+    double sigma;
+
+    /// The facet that sends wi to wo, as its slopes: a vector in the surface's plane.
+    Vec3 slopes(Vec3 wi) const {
+        const Vec3 h = wi + wo;
+        return h / dot(n, h) - n;
+    }
+};
+
+/// Halves a cell until it is small beside the lobe, in the plane of slopes where the lobe is round:
+/// at grazing views it is a sliver of the sphere that no error estimate would notice.
+void add_resolved(std::vector<Cell>& cells, const Cell& cell, const Sector& sector,
+                  const Lobe& lobe, int depth_left) {
+    std::array<std::array<Vec3, 3>, 3> slopes;
+    double least = HUGE_VAL;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double u = cell.u0 + (cell.u1 - cell.u0) * 0.5 * static_cast<double>(i);
+        const Vec3 e = sector.toward(sector.phi_0 + (sector.phi_1 - sector.phi_0) * u);
+        const double reach = (1 - 1e-9) * sector.reach(e);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double v = cell.v0 + (cell.v1 - cell.v0) * 0.5 * static_cast<double>(j);
+            const Vec3 wi = std::cos(reach * v) * sector.apex + std::sin(reach * v) * e;
+            slopes[i][j] = lobe.slopes(wi);
+            least = std::min(least, length(slopes[i][j]));
+        }
+    }
+    double extent_u = 0, extent_v = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 2; ++j) {
+            extent_u = std::max(extent_u, 2 * length(slopes[j + 1][i] - slopes[j][i]));
+            extent_v = std::max(extent_v, 2 * length(slopes[i][j + 1] - slopes[i][j]));
+        }
+    if (depth_left == 0 || std::max(extent_u, extent_v) <= 6 * lobe.sigma + 0.7 * least) {
+        cells.push_back(cell);
+        return;
+    }
+    const auto [left, right] = halves(cell, extent_u > extent_v);
+    add_resolved(cells, left, sector, lobe, depth_left - 1);
+    add_resolved(cells, right, sector, lobe, depth_left - 1);
+}
+
+std::vector<Cell> first_cells(const std::vector<Sector>& sectors, const std::optional<Lobe>& lobe) {
+    constexpr int kDeepest = 24;
+    std::vector<Cell> cells;
+    for (std::size_t i = 0; i < sectors.size(); ++i) {
+        const Cell whole{i, 0, 1, 0, 1};
+        if (lobe)
+            add_resolved(cells, whole, sectors[i], *lobe, kDeepest);
+        else
+            cells.push_back(whole);
+    }
+    return cells;
+}
+
 /// Splits the worst cell until the sum of errors is small enough in each component.
-Integral integrate(const std::vector<Sector>& sectors, const Integrand& f, double tolerance,
-                   std::size_t most_cells) {
+Integral integrate(const std::vector<Sector>& sectors, const std::optional<Lobe>& lobe,
+                   const Integrand& f, double tolerance, std::size_t most_cells) {
     std::priority_queue<Cell> cells;
     Integral total;
     const auto add = [&](Cell cell) {
@@ -390,18 +457,14 @@ Integral integrate(const std::vector<Sector>& sectors, const Integrand& f, doubl
         total.error = total.error + cell.error;
         cells.push(cell);
     };
-    for (std::size_t i = 0; i < sectors.size(); ++i) add({i, 0, 1, 0, 1});
+    for (const Cell& cell : first_cells(sectors, lobe)) add(cell);
     while (!cells.empty() && cells.size() < most_cells &&
            largest(total.error) > tolerance * std::abs(total.value[0])) {
         const Cell worst = cells.top();
         cells.pop();
         total.value = total.value - worst.value;
         total.error = abs(total.error - worst.error);
-        Cell left = worst, right = worst;
-        if (worst.split_u)
-            left.u1 = right.u0 = (worst.u0 + worst.u1) / 2;
-        else
-            left.v1 = right.v0 = (worst.v0 + worst.v1) / 2;
+        const auto [left, right] = halves(worst, worst.split_u);
         add(left);
         add(right);
     }
@@ -412,6 +475,11 @@ Integral integrate(const std::vector<Sector>& sectors, const Integrand& f, doubl
 
 Vec3 mirror(Vec3 w, Vec3 n) {
     return 2 * dot(n, w) * n - w;
+}
+
+std::optional<Lobe> lobe_of(const Paint& p, Vec3 n, Vec3 wo) {
+    if (p.B == 0) return {};
+    return Lobe{n, wo, p.sigma};
 }
 
 /// Sides of the cone that a rectangle fills seen from p; empty when p is in its plane.
@@ -456,7 +524,8 @@ Integral reflected_sky(const Paint& paint, Vec3 n, Vec3 wo, Vec3 x_out, const Sk
         const Stokes incident = dot(n, wi) * sky(wi);
         return multiply(brdf(paint, n, wi, wo, meridian_axis(wi), x_out), incident);
     };
-    return integrate(visible_sky(n, mirror(wo, n), hidden), integrand, tolerance, most_cells);
+    return integrate(visible_sky(n, mirror(wo, n), hidden), lobe_of(paint, n, wo), integrand,
+                     tolerance, most_cells);
 }
 
 constexpr std::size_t kCells = 40000;        // a stop for what does not converge: about 4 s
@@ -496,7 +565,8 @@ Integral corner_second_bounce(const Rectangle& a, const Rectangle& b, Vec3 p, Ve
         const Stokes incident = dot(a.normal, wi) * light.value;
         return multiply(brdf(a.paint, a.normal, wi, wo, x, x_out), incident);
     };
-    Integral result = integrate(sectors, integrand, outer_tolerance, kCellsOfCorner);
+    Integral result = integrate(sectors, lobe_of(a.paint, a.normal, wo), integrand, outer_tolerance,
+                                kCellsOfCorner);
     const double carried = inner_error * std::abs(result.value[0]);
     for (double& e : result.error) e += carried;
     return result;

@@ -161,7 +161,7 @@ Rectangle corner_wall(const Paint& p) {
 
 // ---- Fresnel and the facet ----------------------------------------------------------------------
 
-TEST_CASE("Fresnel of green 550: R, DoLP and retardance", "[reference]") {
+TEST_CASE("Reference: Fresnel of green 550: R, DoLP and retardance", "[reference]") {
     // physics.md section 6.
     struct Row {
         double beta_deg, r, dolp, retardance_deg;
@@ -174,24 +174,26 @@ TEST_CASE("Fresnel of green 550: R, DoLP and retardance", "[reference]") {
         CAPTURE(row.beta_deg);
         CHECK(std::abs(m[0][0] - row.r) < 6e-5);
         CHECK(std::abs(m[1][0] / m[0][0] - row.dolp) < 6e-4);
-        CHECK(std::abs(to_degrees(std::arg(rs * std::conj(rp))) - row.retardance_deg) < 6e-3);
+        // At normal incidence the phase is 180° or −180°, as rounding has it.
+        const double retardance = to_degrees(std::arg(rs * std::conj(rp)));
+        CHECK(std::abs(std::remainder(retardance - row.retardance_deg, 360)) < 6e-3);
     }
 }
 
-TEST_CASE("A facet at 60° turns (0.5, 0, 0.5, 0) as in Mitsuba 3.8", "[reference]") {
+TEST_CASE("Reference: A facet at 60° turns (0.5, 0, 0.5, 0) as in Mitsuba 3.8", "[reference]") {
     const Stokes s = multiply(facet(green_550(), 0.5), {0.5, 0, 0.5, 0});
     const Stokes expected{0.04550, 0.04164, 0.01246, 0.01345};  // physics.md section 6
     for (std::size_t i = 0; i < 4; ++i) CHECK(std::abs(s[i] - expected[i]) < 6e-6);
 }
 
-TEST_CASE("Brewster: reflected light is fully s-polarized", "[reference]") {
+TEST_CASE("Reference: Brewster: reflected light is fully s-polarized", "[reference]") {
     Paint glass;
     glass.n = 1.5;
     const Mueller m = facet(glass, std::cos(std::atan(1.5)));
     CHECK(std::abs(m[1][0] - m[0][0]) < 1e-15);
 }
 
-TEST_CASE("The whole matrix agrees with NIST SCATMECH 7", "[reference]") {
+TEST_CASE("Reference: The whole matrix agrees with NIST SCATMECH 7", "[reference]") {
     const std::string folder = MALUS_SHARED_DATA;
     std::ifstream file(folder + "/scatmech_facet.csv");
     if (folder.empty() || !file) {
@@ -235,7 +237,7 @@ TEST_CASE("The whole matrix agrees with NIST SCATMECH 7", "[reference]") {
     CHECK(worst <= 1e-10);
 }
 
-TEST_CASE("Reciprocity: M(wo→wi) = D Mᵀ D with D = diag(1,1,−1,1)", "[reference]") {
+TEST_CASE("Reference: Reciprocity: M(wo→wi) = D Mᵀ D with D = diag(1,1,−1,1)", "[reference]") {
     const Vec3 wi = direction(37, 20), wo = direction(64, 171);
     const Vec3 x_in = some_axis(wi, 0.4), x_out = some_axis(wo, 1.1);
     for (Paint p : {smooth_paint(), black_440()}) {
@@ -250,7 +252,7 @@ TEST_CASE("Reciprocity: M(wo→wi) = D Mᵀ D with D = diag(1,1,−1,1)", "[refe
     }
 }
 
-TEST_CASE("A normal mirror flips S2 and S3, on any axis", "[reference]") {
+TEST_CASE("Reference: A normal mirror flips S2 and S3, on any axis", "[reference]") {
     Paint p = smooth_paint();
     p.rho_d = p.rho_v = 0;
     for (double angle : {0.0, 0.3, 1.0}) {
@@ -262,7 +264,8 @@ TEST_CASE("A normal mirror flips S2 and S3, on any axis", "[reference]") {
     }
 }
 
-TEST_CASE("Polarized light stays physical: S0 ≥ |S|, f_vol < 0 included", "[reference]") {
+TEST_CASE("Reference: Polarized light stays physical: S0 ≥ |S|, f_vol < 0 included",
+          "[reference]") {
     for (const Paint& p : {green_550(), black_440(), smooth_paint()})
         for (double zenith : {5.0, 60.0, 88.0})
             for (double azimuth : {0.0, 77.0, 180.0}) {
@@ -278,7 +281,7 @@ TEST_CASE("Polarized light stays physical: S0 ≥ |S|, f_vol < 0 included", "[re
             }
 }
 
-TEST_CASE("Facets: the integral of P is B for Gaussian slopes", "[reference]") {
+TEST_CASE("Reference: Facets: the integral of P is B for Gaussian slopes", "[reference]") {
     for (double sigma : {0.0742, 0.1288, 0.468383, 0.7556, 0.8057, 0.8524}) {
         const Paint p = perfect_facets(sigma);
         double sum = 0;
@@ -294,7 +297,8 @@ TEST_CASE("Facets: the integral of P is B for Gaussian slopes", "[reference]") {
 
 // ---- Skies --------------------------------------------------------------------------------------
 
-TEST_CASE("Rayleigh sky: the zenith is polarized across the sun's vertical", "[reference]") {
+TEST_CASE("Reference: Rayleigh sky: the zenith is polarized across the sun's vertical",
+          "[reference]") {
     const SkyFunction sky = rayleigh_sky(direction(90, 0), 1, 0.8);
     const Stokes above_sun = sky(direction(45, 0));  // electric field horizontal: S1 < 0
     CHECK(std::abs(above_sun[1] + 0.75 * 0.8 * 0.5) < 1e-15);
@@ -306,7 +310,7 @@ TEST_CASE("Rayleigh sky: the zenith is polarized across the sun's vertical", "[r
 
 // ---- A panel ------------------------------------------------------------------------------------
 
-TEST_CASE("A Lambertian panel under a uniform sky sends π ρd L", "[reference]") {
+TEST_CASE("Reference: A Lambertian panel under a uniform sky sends π ρd L", "[reference]") {
     const Vec3 wo = direction(50, 30);
     const Integral flat = panel(lambertian(0.2), kNormal, wo, some_axis(wo), uniform_sky(3), 1e-10);
     CHECK(std::abs(flat.value[0] / (kPi * 0.2 * 3) - 1) < 1e-12);
@@ -317,7 +321,8 @@ TEST_CASE("A Lambertian panel under a uniform sky sends π ρd L", "[reference]"
     CHECK(std::abs(tilted.value[0] / (kPi * 0.2 * 3 * seen) - 1) < 1e-11);
 }
 
-TEST_CASE("Perfect facets seen from the normal: closed form of the lobe", "[reference]") {
+TEST_CASE("Reference: Perfect facets seen from the normal: closed form of the lobe",
+          "[reference]") {
     // wo = n: ∫ f cosθi dωi = ∫ P cosθ dω over tilts below 45°. With u = 1/cosθ from 1 to √2,
     // Gaussian ∫ exp(−(u²−1)/2σ²)/σ² du, Cauchy ∫ 2π du / (u² (u² − a²)), a² = 1 − σ².
     const Vec3 x{1, 0, 0};
@@ -341,7 +346,8 @@ TEST_CASE("Perfect facets seen from the normal: closed form of the lobe", "[refe
     }
 }
 
-TEST_CASE("Energy at 89°: bare facets create it, Torrance-Sparrow does not", "[reference]") {
+TEST_CASE("Reference: Energy at 89°: bare facets create it, Torrance-Sparrow does not",
+          "[reference]") {
     // Hemispherical reflectance of perfect facets, B = 1. Expected values: midpoint sum over
     // slopes, 2000 × 2000, of (wo·h)/cosθo where wi is above the surface.
     const Vec3 wo = direction(89, 0), x = some_axis(wo);
@@ -360,7 +366,7 @@ TEST_CASE("Energy at 89°: bare facets create it, Torrance-Sparrow does not", "[
         }
 }
 
-TEST_CASE("A vertical panel agrees with a midpoint sum over the sky", "[reference]") {
+TEST_CASE("Reference: A vertical panel agrees with a midpoint sum over the sky", "[reference]") {
     // The wall faces south; the axis of the sky's beam here is horizontal, not the meridian.
     const Vec3 n{0, 0, 1}, wo = normalize(Vec3{0.5, -0.3, 0.8}), x_out = some_axis(wo);
     const SkyFunction sky = rayleigh_sky(direction(40, 100), 2, 0.8, 0.5);
@@ -377,7 +383,7 @@ TEST_CASE("A vertical panel agrees with a midpoint sum over the sky", "[referenc
     }
 }
 
-TEST_CASE("Panel integrals reach 1e-7 and mean what they say", "[reference]") {
+TEST_CASE("Reference: Panel integrals reach 1e-7 and mean what they say", "[reference]") {
     const SkyFunction sky = rayleigh_sky(direction(57, 90), 1, 0.8, 0.5);
     const Vec3 n = direction(30, 40);
     for (Slopes slopes : {Slopes::gaussian, Slopes::cauchy})
@@ -400,7 +406,8 @@ TEST_CASE("Panel integrals reach 1e-7 and mean what they say", "[reference]") {
                 }
 }
 
-TEST_CASE("Turning panel, view and sun about the vertical changes nothing", "[reference]") {
+TEST_CASE("Reference: Turning panel, view and sun about the vertical changes nothing",
+          "[reference]") {
     const Vec3 sun = direction(57, 90), n = direction(25, 10), wo = direction(65, -70);
     const Vec3 x = some_axis(wo);
     const Stokes still =
@@ -414,7 +421,38 @@ TEST_CASE("Turning panel, view and sun about the vertical changes nothing", "[re
     }
 }
 
-TEST_CASE("Turning x_out by α turns S1 and S2 by 2α", "[reference]") {
+TEST_CASE("Reference: A sharp lobe at 89° is not stepped over", "[reference]") {
+    // There it is a sliver of the sphere that an error estimate may miss altogether. Midpoint sum
+    // over facets instead: slope r = σ√(−2 ln u), dωh = cos³θ σ²/u du dφ, dωi = 4 cosβ dωh.
+    Paint p = smooth_paint();
+    p.sigma = 0.05, p.B = 0.1, p.rho_d = p.rho_v = 0;
+    const double view = to_radians(89);
+    const Vec3 along = normalize(Vec3{-0.8, 0, -0.3}), x_out = cross(kNormal, along);
+    const Vec3 wo = std::cos(view) * kNormal + std::sin(view) * along;
+    const SkyFunction sky = rayleigh_sky(direction(to_degrees(1), 90), 1, 0.8, 0.5);
+    const int steps = 1000;
+    Stokes brute{};
+    for (int i = 0; i < steps; ++i)
+        for (int j = 0; j < steps; ++j) {
+            const double u = (i + 0.5) / steps, phi = 2 * kPi * (j + 0.5) / steps;
+            const double r = p.sigma * std::sqrt(-2 * std::log(u));
+            const Vec3 h = normalize(Vec3{r * std::cos(phi), 1, r * std::sin(phi)});
+            const double cos_beta = dot(h, wo);
+            const Vec3 wi = 2 * cos_beta * h - wo;
+            if (cos_beta <= 0 || wi.y <= 0) continue;
+            const double solid_angle = 4 * cos_beta * h.y * h.y * h.y * sqr(p.sigma) / u * 2 * kPi;
+            Stokes s = sky(wi);
+            for (double& c : s) c *= wi.y * solid_angle / steps / steps;
+            s = multiply(brdf(p, kNormal, wi, wo, meridian_axis(wi), x_out), s);
+            for (std::size_t c = 0; c < 4; ++c) brute[c] += s[c];
+        }
+    for (double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+        CAPTURE(tolerance);
+        check_close(panel(p, kNormal, wo, x_out, sky, tolerance).value, brute, 3e-5);
+    }
+}
+
+TEST_CASE("Reference: Turning x_out by α turns S1 and S2 by 2α", "[reference]") {
     const Vec3 wo = direction(65, -70);
     const SkyFunction sky = rayleigh_sky(direction(57, 90), 1, 0.8, 0.5);
     const auto at = [&](double a) {
@@ -429,7 +467,7 @@ TEST_CASE("Turning x_out by α turns S1 and S2 by 2α", "[reference]") {
 
 // ---- Two rectangles -----------------------------------------------------------------------------
 
-TEST_CASE("Form factors used below agree with Howell's C-14", "[reference]") {
+TEST_CASE("Reference: Form factors used below agree with Howell's C-14", "[reference]") {
     // The mean over the floor of the element's factor to the wall.
     const double w = 2, h = 1.5, l = 2;
     const int steps = 400;
@@ -444,7 +482,7 @@ TEST_CASE("Form factors used below agree with Howell's C-14", "[reference]") {
     CHECK(std::abs(mean / perpendicular_rectangles_factor(w, h, l) - 1) < 1e-5);
 }
 
-TEST_CASE("Lambertian corner: both bounces are form factors", "[reference]") {
+TEST_CASE("Reference: Lambertian corner: both bounces are form factors", "[reference]") {
     const double rho_floor = 0.1, rho_wall = 0.25, radiance = 2;
     const Rectangle floor = corner_floor(lambertian(rho_floor));
     const Rectangle wall = corner_wall(lambertian(rho_wall));
@@ -464,7 +502,8 @@ TEST_CASE("Lambertian corner: both bounces are form factors", "[reference]") {
     }
 }
 
-TEST_CASE("Lambertian facing walls: the sky between them is a form factor", "[reference]") {
+TEST_CASE("Reference: Lambertian facing walls: the sky between them is a form factor",
+          "[reference]") {
     // a at z = 0 faces north, b at z = −0.8 faces south; both 2 wide and 1 high on the ground.
     const Rectangle a{{-1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, -1}, lambertian(0.1)};
     const Rectangle b{{-1, 0, -0.8}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}, lambertian(0.25)};
@@ -491,7 +530,7 @@ TEST_CASE("Lambertian facing walls: the sky between them is a form factor", "[re
     CHECK(std::abs(first.value[0] / (0.1 * kPi * sky_seen(p.x, p.y)) - 1) < 1e-9);
 }
 
-TEST_CASE("A polarized corner agrees with a nested midpoint sum", "[reference]") {
+TEST_CASE("Reference: A polarized corner agrees with a nested midpoint sum", "[reference]") {
     // Area form over the wall, sky in zenith and azimuth, and another axis for the beam between.
     const Paint p_floor = smooth_paint();
     Paint p_wall = smooth_paint();
@@ -524,7 +563,8 @@ TEST_CASE("A polarized corner agrees with a nested midpoint sum", "[reference]")
     check_close(coarse.value, r.value, 1e-2);
 }
 
-TEST_CASE("A rectangle seen from behind blocks the sky and reflects nothing", "[reference]") {
+TEST_CASE("Reference: A rectangle seen from behind blocks the sky and reflects nothing",
+          "[reference]") {
     const Rectangle floor = corner_floor(lambertian(0.1));
     Rectangle wall = corner_wall(lambertian(0.25));
     const Vec3 p{0, 0, 0}, wo = direction(40, 140), x = some_axis(wo);

@@ -74,7 +74,7 @@ inline double dolp(const Stokes<double>& S) {
 }
 /// Degree of polarization, [0,1] for physical light.
 inline double dop(const Stokes<double>& S) {
-    return S.s0 == 0 ? 0 : std::sqrt(S.s1 * S.s1 + S.s2 * S.s2 + S.s3 * S.s3) / S.s0;
+    return S.s0 == 0 ? 0 : std::hypot(S.s1, S.s2, S.s3) / S.s0;
 }
 /// Angle of linear polarization from x toward y, rad, [0, π).
 inline double aolp(const Stokes<double>& S) {

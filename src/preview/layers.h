@@ -1,0 +1,31 @@
+// layers.h — what an image says at one wavelength, pixel by pixel.
+//
+// Units   S0 W m⁻² sr⁻¹ nm⁻¹; AoLP degrees [0,180); errors are standard errors of the same unit.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "malus/io/exr.h"
+
+namespace malus::preview {
+
+/// What AoLP = 0° means in the image.
+enum class AolpZero { kImageRight, kMeridian, kUnknown };
+
+struct Layers {
+    int width = 0, height = 0;
+    double wavelength_nm = 0;
+    AolpZero aolp_zero = AolpZero::kUnknown;
+    std::vector<float> s0, dolp, aolp_deg;
+    std::vector<float> stderr_dolp, stderr_aolp_deg;  ///< empty if the image has none
+    std::vector<float> coverage;                      ///< of surfaces [0,1]; empty if there is none
+
+    bool has_errors() const { return !stderr_dolp.empty() && !stderr_aolp_deg.empty(); }
+};
+
+/// DoLP and AoLP are the image's own, or computed from its Stokes vectors. Throws Error (without a
+/// file name) when a channel is missing.
+Layers read_layers(const Image& image, double wavelength_nm);
+
+}  // namespace malus::preview

@@ -1,0 +1,131 @@
+// sky_file_test.cpp — sky maps as EXR and CSV, and what is said of broken ones.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/io/sky_file.h"
+
+#include <sstream>
+
+#include "malus/core/error.h"
+#include "malus/core/frame.h"
+#include "malus/io/exr.h"
+#include "malus/io/file.h"
+#include "malus/io/spectral_image.h"
+#include "support/catch.h"
+#include "support/fixtures.h"
+
+using namespace malus;
+using Catch::Contains;
+
+namespace {
+
+const std::string kHeader = "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n";
+
+Sky read_csv(const std::string& text) {
+    const TempFolder folder;
+    write_text(folder / "sky.csv", text);
+    return read_sky(folder / "sky.csv");
+}
+
+std::string full_grid() {
+    std::ostringstream text;
+    text << "# a comment\n" << kHeader;
+    // Any order: azimuth outermost, downward.
+    for (int a : {270, 180, 90, 0})
+        for (int z : {90, 0, 45})
+            for (double nm : {600.0, 440.5})
+                text << nm << ',' << z << ',' << a << ',' << nm + z + a / 1000.0 << ",1,-2,0.5\n";
+    return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("Sky CSV: a full grid in any order lands at its nodes") {
+    const Sky sky = read_csv(full_grid());
+    CHECK(sky.wavelengths_nm == std::vector<double>{440.5, 600});
+    REQUIRE(sky.zeniths.size() == 3);
+    REQUIRE(sky.azimuths.size() == 4);
+    CHECK(to_degrees(sky.zeniths[1]) == Approx(45));
+    CHECK(to_degrees(sky.azimuths[3]) == Approx(270));
+    CHECK(sky.at(1, 1, 2).s0 == Approx(600 + 45 + 0.18));
+    CHECK(sky.at(0, 2, 0).s0 == Approx(440.5 + 90));
+    CHECK(sky.at(0, 0, 0).s2 == -2);
+}
+
+TEST_CASE("Sky CSV: 360° is 0°") {
+    std::string text = kHeader;
+    for (const char* a : {"0", "180", "360"})
+        text += "550,10," + std::string(a) + ",1,0,0,0\n550,80," + std::string(a) + ",1,0,0,0\n";
+    CHECK(read_csv(text).azimuths.size() == 2);
+}
+
+TEST_CASE("Sky CSV: each mistake is one line with the row") {
+    const std::string good = "550,10,0,1,0,0,0\n";
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,-1,0,0,0\n"),
+                      Contains("sky.csv: line 3") && Contains("negative"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,1,0.8,0.8,0\n"),
+                      Contains("line 3") && Contains("exceeds S0"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,nan,0,0,0\n"),
+                      Contains("line 3") && Contains("not finite"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,1,0,0\n"), Contains("6 columns"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,one,0,0,0\n"),
+                      Contains("'one' is not a number"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,91,0,1,0,0,0\n"), Contains("zenith_deg"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + good), Contains("same node as line 2"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,20,90,1,0,0,0\n"),
+                      Contains("gap in the grid"));
+    CHECK_THROWS_WITH(read_csv("zenith,azimuth\n1,2\n"), Contains("header must be"));
+    CHECK_THROWS_WITH(read_csv(kHeader), Contains("no rows"));
+}
+
+TEST_CASE("Sky EXR: what is written is what is read, sun included") {
+    const TempFolder folder;
+    RayleighSky model;
+    Sky sky = make_rayleigh_sky(model, std::vector<double>{440, 600}, 9, 12);
+    sky.sun->irradiance = {1.5, 1.25};
+    write_sky(folder / "sky.exr", sky, {{"skyModel", "test"}});
+    const Sky back = read_sky(folder / "sky.exr");
+    CHECK(back.wavelengths_nm == sky.wavelengths_nm);
+    REQUIRE(back.nodes.size() == sky.nodes.size());
+    for (std::size_t i = 0; i < sky.nodes.size(); ++i) {
+        CHECK(back.nodes[i].s0 == Approx(sky.nodes[i].s0).epsilon(1e-6));
+        CHECK(back.nodes[i].s2 == Approx(sky.nodes[i].s2).margin(1e-8));
+    }
+    CHECK(back.zeniths[3] == Approx(sky.zeniths[3]));
+    REQUIRE(back.sun);
+    CHECK(to_degrees(back.sun->zenith) == Approx(60));
+    CHECK(back.sun->irradiance == sky.sun->irradiance);
+}
+
+TEST_CASE("Sky EXR: channel names of other writers and their errors") {
+    const TempFolder folder;
+    Image image;
+    image.width = 4, image.height = 2;
+    for (const char* c : {"S0", "S1", "S2"}) image.channel(std::string(c) + ".550,5nm");
+    write_exr(folder / "three.exr", image);
+    CHECK_THROWS_WITH(read_sky(folder / "three.exr"),
+                      Contains("three.exr") && Contains("'S3.550,500000nm' is missing"));
+    image.channel("S3.550,5nm");
+    for (float& s : image.channel("S0.550,5nm")) s = 1;
+    write_exr(folder / "four.exr", image);
+    CHECK(read_sky(folder / "four.exr").wavelengths_nm == std::vector<double>{550.5});
+    image.channel("S1.550,5nm")[5] = 2;
+    write_exr(folder / "over.exr", image);
+    CHECK_THROWS_WITH(read_sky(folder / "over.exr"), Contains("pixel (1,1)"));
+    Image grey;
+    grey.width = grey.height = 1;
+    grey.channel("Y");
+    write_exr(folder / "grey.exr", grey);
+    CHECK_THROWS_WITH(read_sky(folder / "grey.exr"), Contains("not a sky map"));
+    write_text(folder / "text.exr", "hello");
+    CHECK_THROWS_WITH(read_sky(folder / "text.exr"), Contains("not an OpenEXR file"));
+    CHECK_THROWS_WITH(read_sky(folder / "absent.exr"), Contains("file not found"));
+}
+
+TEST_CASE("Sky EXR: a file cut off anywhere is refused, never half read") {
+    const TempFolder folder;
+    write_sky(folder / "sky.exr", make_rayleigh_sky({}, std::vector<double>{440}, 9, 12), {});
+    const std::string whole = read_text(folder / "sky.exr");
+    for (std::size_t length = 0; length + 1 < whole.size(); length += 97) {
+        write_text(folder / "cut.exr", whole.substr(0, length));
+        CHECK_THROWS_AS(read_sky(folder / "cut.exr"), Error);
+    }
+}

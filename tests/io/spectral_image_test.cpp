@@ -1,0 +1,120 @@
+// spectral_image_test.cpp — channels, names and files of rendered images.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/io/spectral_image.h"
+
+#include <clocale>
+
+#include "malus/core/error.h"
+#include "malus/io/file.h"
+#include "malus/io/stats_file.h"
+#include "support/catch.h"
+#include "support/fixtures.h"
+
+using namespace malus;
+using Catch::Contains;
+
+TEST_CASE("Channel names: six decimals and a decimal comma, both ways, in any locale") {
+    for (const char* locale : {"C", "de_DE.UTF-8"}) {
+        std::setlocale(LC_ALL, locale);
+        CHECK(spectral_channel("S0", 440) == "S0.440,000000nm");
+        CHECK(spectral_channel("StdErr_DoLP", 550.25) == "StdErr_DoLP.550,250000nm");
+        const auto name = parse_spectral_channel("DoLP.550,250000nm");
+        REQUIRE(name);
+        CHECK(name->quantity == "DoLP");
+        CHECK(name->wavelength_nm == 550.25);
+    }
+    std::setlocale(LC_ALL, "C");
+    for (const char* other : {"R", "N.samples", "S0.nm", "S0.12,5", "S0.-3nm", "S0.1,2,3nm"})
+        CHECK_FALSE(parse_spectral_channel(other));
+}
+
+TEST_CASE("Wavelengths are listed by value, not by name") {
+    Image image;
+    image.width = image.height = 1;
+    for (double nm : {1000.0, 440.0, 550.5})
+        for (const char* s : {"S0", "S1", "S2", "S3"}) image.channel(spectral_channel(s, nm));
+    CHECK(stokes_wavelengths(image) == std::vector<double>{440, 550.5, 1000});
+}
+
+TEST_CASE("Film to image: every channel of the format, with the film's numbers") {
+    Film film(2, 1, {440, 600});
+    film.coverage = {1, 0};
+    film.distance = {12, 0};
+    film.instance = {1, -1};
+    film.samples = {64, 64};
+    film.stokes[0].mean = {2, -0.6, 0.8, 0.1};
+    film.stokes[0].covariance = {0.04f, 0, 0, 0.01f, 0, 0.01f, 0.09f};
+    const Image image = to_image(film, {{"matte", "green"}, {"root", "hull"}, {0, 1}, {0, 1}});
+    const auto at = [&](const std::string& name) { return image.channels.at(name)[0]; };
+    CHECK(at("S0.440,000000nm") == 2.0f);
+    CHECK(at("S3.440,000000nm") == Approx(0.1));
+    CHECK(at("DoLP.440,000000nm") == Approx(0.5));
+    // ½ atan2(0.8, −0.6) = ½ · 126.87°.
+    CHECK(at("AoLP.440,000000nm") == Approx(63.4349));
+    CHECK(at("StdErr_S0.440,000000nm") == Approx(0.2));
+    CHECK(at("StdErr_S1.440,000000nm") == Approx(0.1));
+    CHECK(at("StdErr_S3.440,000000nm") == Approx(0.3));
+    // var p = [0.01 + 0.25·0.04]/4, var ψ = 0.01/4 rad².
+    CHECK(at("StdErr_DoLP.440,000000nm") == Approx(std::sqrt(0.02) / 2));
+    CHECK(at("StdErr_AoLP.440,000000nm") == Approx(to_degrees(0.05)));
+    CHECK(at("A") == 1);
+    CHECK(at("Z") == 12);
+    CHECK(at("material.id") == 2);
+    CHECK(at("node.id") == 2);
+    CHECK(image.channels.at("node.id")[1] == 0);
+    CHECK(at("N.samples") == 64);
+    CHECK(image.channels.size() == 2 * 12 + 5 + 3);
+    CHECK(image.channels.at("R") == image.channels.at("S0.600,000000nm"));
+    CHECK(*image.text("spectralLayoutVersion") == "1.0");
+    CHECK(*image.text("emissiveUnits") == "W.m^-2.sr^-1");
+    CHECK(*image.text("polarisationHandedness") == "right");
+    CHECK(*image.text("spectralQuantity") == "spectral radiance per nm");
+    CHECK(*image.text("aolpUnits") == "degrees");
+    CHECK(std::get<3>(image.attributes.at("materialNames")) ==
+          std::vector<std::string>{"(sky)", "matte", "green"});
+}
+
+TEST_CASE("EXR: channels and attributes come back as they were written") {
+    const TempFolder folder;
+    Image image;
+    image.width = 3, image.height = 2;
+    image.channel("S0.440,000000nm") = {1, 2, 3, 4, 5, 6};
+    image.channel("Z") = {0.5, 0, 0, 0, 0, 1e30f};
+    image.attributes = {{"text", "naïve"},
+                        {"number", 2.5f},
+                        {"count", 7},
+                        {"names", std::vector<std::string>{"a", "b"}}};
+    write_exr(folder / "image.exr", image);
+    const Image back = read_exr(folder / "image.exr");
+    CHECK(back.width == 3);
+    CHECK(back.channels == image.channels);
+    for (const auto& [name, value] : image.attributes) CHECK(back.attributes.at(name) == value);
+}
+
+TEST_CASE("Files: they appear whole or not at all, and what stood there stays") {
+    const TempFolder folder;
+    write_text(folder / "kept.txt", "old");
+    CHECK_THROWS_WITH(write_whole(folder / "kept.txt",
+                                  [](const auto& beside) {
+                                      write_text(beside.string(), "half");
+                                      throw std::runtime_error("disk full");
+                                  }),
+                      Contains("kept.txt: cannot be written (disk full)"));
+    CHECK(read_text(folder / "kept.txt") == "old");
+    CHECK(std::distance(std::filesystem::directory_iterator((folder / "").parent_path()), {}) == 1);
+    CHECK_THROWS_WITH(write_text(folder / "no/such/file", ""), Contains("there is no folder"));
+    CHECK_THROWS_WITH(write_text((folder / "").parent_path(), ""), Contains("it is a folder"));
+}
+
+TEST_CASE("Stats: errors are summarized over the pixels that show a surface") {
+    Film film(3, 1, {550});
+    film.coverage = {1, 1, 0};
+    film.stokes[0] = {{2, 1, 0, 0}, {0.04f, 0, 0, 0, 0, 0, 0}};  // 10 % of S0
+    film.stokes[1] = {{4, 0, 1, 0}, {0.64f, 0, 0, 0, 0, 0, 0}};  // 20 %
+    film.stokes[2] = {{1, 0, 0, 0}, {1, 0, 0, 0, 0, 0, 0}};      // sky: does not count
+    const ErrorSummary error = summarize_error(film, 0);
+    CHECK(error.rms_s0_relative == Approx(std::sqrt((0.01 + 0.04) / 2)));
+    // σ_p = p σ0/S0: 0.05 and 0.05.
+    CHECK(error.rms_dolp == Approx(0.05));
+    CHECK(error.p95_dolp == Approx(0.05));
+}

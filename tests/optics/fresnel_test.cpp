@@ -1,0 +1,128 @@
+// fresnel_test.cpp — reflection of a plane facet.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/optics/fresnel.h"
+
+#include <complex>
+
+#include "support/catch.h"
+
+using namespace malus;
+
+namespace {
+
+FacetMueller<double> at(double n, double k, double beta_deg) {
+    return fresnel(n, k, std::cos(to_radians(beta_deg)));
+}
+
+// rs and rp from Snell's law in complex arithmetic, another road than fresnel.h's.
+struct Amplitudes {
+    std::complex<double> rs, rp;
+};
+Amplitudes amplitudes(double n, double k, double beta) {
+    const std::complex<double> N(n, k), t = std::asin(std::sin(beta) / N);
+    const std::complex<double> c = std::cos(beta), ct = std::cos(t);
+    return {(c - N * ct) / (c + N * ct), (N * c - ct) / (N * c + ct)};
+}
+
+}  // namespace
+
+TEST_CASE("Fresnel: green paint at 550 nm reflects and polarizes as computed independently") {
+    // physics.md section 6: R, DoLP and arg(rs rp*) for N = 1.366 + 0.2746i.
+    CHECK(at(1.366, 0.2746, 0).a == Approx(0.0369).margin(5e-5));
+    const auto m45 = at(1.366, 0.2746, 45), m60 = at(1.366, 0.2746, 60);
+    CHECK(m45.a == Approx(0.0482).margin(5e-5));
+    CHECK(m45.b / m45.a == Approx(0.837).margin(5e-4));
+    CHECK(m60.a == Approx(0.0910).margin(5e-5));
+    CHECK(m60.b / m60.a == Approx(0.915).margin(5e-4));
+    CHECK(to_degrees(std::atan2(m45.im, m45.re)) == Approx(155.63).margin(5e-3));
+    CHECK(to_degrees(std::atan2(m60.im, m60.re)) == Approx(47.19).margin(5e-3));
+}
+
+TEST_CASE("Fresnel: light at 0° and 45° leaves a facet as Mitsuba 3.8 has it, signs included") {
+    const Stokes<double> S = at(1.366, 0.2746, 60) * Stokes<double>{0.5, 0, 0.5, 0};
+    CHECK(S.s0 == Approx(0.04550).margin(5e-6));
+    CHECK(S.s1 == Approx(0.04164).margin(5e-6));
+    CHECK(S.s2 == Approx(0.01246).margin(5e-6));
+    CHECK(S.s3 == Approx(0.01345).margin(5e-6));
+}
+
+TEST_CASE("Fresnel: amplitudes agree with Snell's law in complex arithmetic") {
+    for (double n : {0.2, 1.0, 1.125, 1.366, 2.5})
+        for (double k : {0.0, 0.01, 0.2746, 1.0, 10.0})
+            for (double beta : {0.0, 0.3, 0.7, 1.2, 1.55}) {
+                // asin leaves the principal branch of √ past the critical angle without loss.
+                if (k == 0 && std::sin(beta) >= n) continue;
+                if (n == 1 && k == 0) continue;
+                const auto [rs, rp] = amplitudes(n, k, beta);
+                const auto m = fresnel(n, k, std::cos(beta));
+                CAPTURE(n, k, beta);
+                CHECK(m.a + m.b == Approx(std::norm(rs)).margin(1e-14));
+                CHECK(m.a - m.b == Approx(std::norm(rp)).margin(1e-14));
+                CHECK(m.re == Approx((rs * std::conj(rp)).real()).margin(1e-13));
+                CHECK(m.im == Approx((rs * std::conj(rp)).imag()).margin(1e-13));
+            }
+}
+
+TEST_CASE("Brewster: reflected light is fully s-polarized") {
+    const double brewster = to_degrees(std::atan(1.5));
+    for (double beside : {0.0, 1e-3, 1e-6, 1e-12}) {
+        const Stokes<double> S = at(1.5, 0, brewster + beside) * Stokes<double>{1, 0, 0, 0};
+        // |rp|² grows as the square of the distance to Brewster's angle.
+        CHECK(S.s1 / S.s0 == Approx(1).margin(1e-14 + 1e-3 * beside * beside));
+        CHECK(S.s0 == Approx(0.5 * sqr((1.5 * 1.5 - 1) / (1.5 * 1.5 + 1))).epsilon(0.001));
+    }
+}
+
+TEST_CASE("Normal incidence: a mirror keeps S1 and flips S2 and S3") {
+    const double R = (sqr(0.366) + sqr(0.2746)) / (sqr(2.366) + sqr(0.2746));
+    for (const Stokes<double>& in :
+         {Stokes<double>{1, 1, 0, 0}, Stokes<double>{1, 0, 1, 0}, Stokes<double>{1, 0, -1, 0},
+          Stokes<double>{1, 0, 0, 1}, Stokes<double>{1, 0, 0, -1}, Stokes<double>{1, -1, 0, 0}}) {
+        const Stokes<double> out = at(1.366, 0.2746, 0) * in;
+        CHECK(out.s0 == Approx(R));
+        CHECK(out.s1 == Approx(R * in.s1).margin(1e-15));
+        CHECK(out.s2 == Approx(-R * in.s2).margin(1e-15));
+        CHECK(out.s3 == Approx(-R * in.s3).margin(1e-15));
+    }
+}
+
+TEST_CASE(
+    "Total reflection: n < 1 without absorption reflects everything past the critical angle") {
+    for (double beta : {60.0, 75.0, 89.0}) {
+        const auto m = at(0.8, 0, beta);
+        CHECK(m.a == Approx(1).margin(1e-14));
+        CHECK(std::hypot(m.re, m.im) == Approx(1).margin(1e-14));
+    }
+    // Born & Wolf eq. 1.5 (61): tan(δ/2) = cosβ √(sin²β − n²)/sin²β is the phase between p and s.
+    const double b = to_radians(75),
+                 delta = 2 * std::atan(std::cos(b) * std::sqrt(sqr(std::sin(b)) - 0.64) /
+                                       sqr(std::sin(b)));
+    const auto m = at(0.8, 0, 75);
+    // rp has the opposite sign convention there, which turns the phase by 180°.
+    CHECK(std::abs(std::remainder(std::atan2(m.im, m.re) - delta, kPi)) < 1e-12);
+}
+
+TEST_CASE("No contrast: n = 1, k = 0 reflects nothing at any angle") {
+    for (double beta : {0.0, 45.0, 89.0, 89.999, 89.999999}) {
+        const auto m = at(1, 0, beta);
+        CHECK(std::abs(m.a) + std::abs(m.b) + std::abs(m.re) + std::abs(m.im) < 1e-14);
+    }
+}
+
+TEST_CASE("Physicality: a facet never makes light more than fully polarized") {
+    for (double n : {0.1, 0.9, 1.0, 1.5, 4.0})
+        for (double k : {0.0, 1e-6, 0.3, 10.0})
+            for (double beta = 0; beta < 89.9; beta += 3.7) {
+                const auto m = at(n, k, beta);
+                CHECK(m.a <= 1 + 1e-15);
+                for (const Stokes<double>& in :
+                     {Stokes<double>{1, 0, 0, 0}, Stokes<double>{1, 1, 0, 0},
+                      Stokes<double>{1, -1, 0, 0}, Stokes<double>{1, 0, 1, 0},
+                      Stokes<double>{1, 0, -1, 0}, Stokes<double>{1, 0, 0, 1},
+                      Stokes<double>{1, 0.6, 0, -0.8}}) {
+                    const Stokes<double> out = m * in;
+                    CHECK(out.s0 >= 0);
+                    CHECK(dop(out) <= 1 + 1e-12);
+                }
+            }
+}

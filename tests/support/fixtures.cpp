@@ -1,0 +1,127 @@
+// fixtures.cpp — small scenes, skies and paints for tests.
+// SPDX-License-Identifier: Apache-2.0
+#include "support/fixtures.h"
+
+#include <unistd.h>
+
+#include "malus/core/frame.h"
+#include "malus/io/material_file.h"
+#include "support/catch.h"
+
+namespace malus {
+namespace {
+
+const Material& shipped(std::size_t index) {
+    static const MaterialFile file = read_materials(MALUS_SOURCE_DIR "/materials/paints.json");
+    return file.materials.at(index);
+}
+
+}  // namespace
+
+const Material& green_paint() {
+    return shipped(0);
+}
+const Material& black_paint() {
+    return shipped(1);
+}
+
+Material lambertian(double albedo) {
+    Material material;
+    material.name = material.place = "matte";
+    for (double nm : {440.0, 550.0, 600.0})
+        material.rows.push_back({nm, {1.5, 0, 0, 0.3, 1, 0, albedo / kPi, 0}});
+    return material;
+}
+
+Material single_row(const std::string& name, const PriestGermer<double>& p, Slopes slopes,
+                    Attenuation attenuation) {
+    Material material;
+    material.name = material.place = name;
+    material.slopes = slopes;
+    material.attenuation = attenuation;
+    material.rows = {{550, p}};
+    return material;
+}
+
+reference::Paint reference_paint(const Material& material, double wavelength_nm) {
+    const PriestGermer<double> p = parameters_at(material, wavelength_nm);
+    reference::Paint paint;
+    paint.n = p.n, paint.k = p.k, paint.B = p.B, paint.sigma = p.sigma;
+    paint.slopes = material.slopes == Slopes::kGaussian ? reference::Slopes::gaussian
+                                                        : reference::Slopes::cauchy;
+    if (p.inv_omega > 0) paint.shadowing = reference::Shadowing{p.tau, 1 / p.inv_omega};
+    paint.torrance_sparrow = material.attenuation == Attenuation::kTorranceSparrow;
+    paint.rho_d = p.rho_d, paint.rho_v = p.rho_v;
+    return paint;
+}
+
+void add_rectangle(Scene& scene, const std::string& name, const Vec3& corner, const Vec3& edge_u,
+                   const Vec3& edge_v) {
+    Mesh mesh;
+    mesh.name = name;
+    mesh.surface = static_cast<int>(scene.surfaces.size());
+    for (const Vec3& p : {corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v})
+        mesh.positions.push_back(Vec3f(p));
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    scene.surfaces.push_back(name);
+    scene.instances.push_back(
+        {static_cast<int>(scene.meshes.size()), static_cast<int>(scene.nodes.size()), Affine{}});
+    scene.meshes.push_back(mesh);
+    scene.nodes.push_back({name, -1});
+}
+
+Sky sample_sky(const reference::SkyFunction& function, const std::vector<double>& wavelengths_nm,
+               int zeniths, int azimuths) {
+    Sky sky;
+    sky.wavelengths_nm = wavelengths_nm;
+    for (int i = 0; i < zeniths; ++i) sky.zeniths.push_back((i + 0.5) * kPi / 2 / zeniths);
+    for (int i = 0; i < azimuths; ++i) sky.azimuths.push_back((i + 0.5) * 2 * kPi / azimuths);
+    for (std::size_t w = 0; w < wavelengths_nm.size(); ++w)
+        for (double z : sky.zeniths)
+            for (double a : sky.azimuths) {
+                const reference::Stokes S = function(direction(z, a));
+                sky.nodes.push_back({S[0], S[1], S[2], S[3]});
+            }
+    return sky;
+}
+
+Camera look_at(const Vec3& target, double zenith_deg, double azimuth_deg, double half_m) {
+    Box box;
+    box.add(target);
+    View view;
+    view.zenith = to_radians(zenith_deg);
+    view.azimuth = to_radians(azimuth_deg);
+    Camera camera = frame_view(view, box, 1, 1);
+    camera.position = target - 10.0 * camera.forward;
+    camera.xmag = camera.ymag = half_m;
+    return camera;
+}
+
+PictureMean picture_mean(const Film& film, std::size_t wavelength) {
+    PictureMean out;
+    const double share = 1 / static_cast<double>(film.pixel_count());
+    std::array<double, 4> variance{};
+    for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+        const PixelStokes& pixel = film.at(i, wavelength);
+        out.mean = out.mean + share * pixel.mean;
+        constexpr std::array<std::size_t, 4> kDiagonal{0, 3, 5, 6};
+        for (std::size_t c = 0; c < 4; ++c)
+            variance[c] += share * share * static_cast<double>(pixel.covariance[kDiagonal[c]]);
+    }
+    out.error = {std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2]),
+                 std::sqrt(variance[3])};
+    return out;
+}
+
+TempFolder::TempFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "malus-test-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+    path_ = name;
+}
+
+TempFolder::~TempFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace malus

@@ -1,0 +1,58 @@
+// fixtures.h — small scenes, skies and paints for tests.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "malus/render/render.h"
+#include "support/reference.h"
+
+namespace malus {
+
+/// The two paints of materials/paints.json.
+const Material& green_paint();
+const Material& black_paint();
+
+/// B = 0, ρv = 0, ρd = albedo/π at 440, 550 and 600 nm.
+Material lambertian(double albedo);
+
+/// A paint of one wavelength, 550 nm.
+Material single_row(const std::string& name, const PriestGermer<double>& p,
+                    Slopes slopes = Slopes::kGaussian,
+                    Attenuation attenuation = Attenuation::kNone);
+
+/// The same paint for the reference integrator, at one wavelength.
+reference::Paint reference_paint(const Material& material, double wavelength_nm);
+
+/// A parallelogram of two flat triangles, as one instance of its own node and surface `name`.
+void add_rectangle(Scene& scene, const std::string& name, const Vec3& corner, const Vec3& edge_u,
+                   const Vec3& edge_v);
+
+/// A map of the sky function, sampled at pixel centres, the same at each wavelength.
+Sky sample_sky(const reference::SkyFunction& function, const std::vector<double>& wavelengths_nm,
+               int zeniths, int azimuths);
+
+/// An orthographic camera in direction (zenith, azimuth) of `target` that sees 2·half metres.
+Camera look_at(const Vec3& target, double zenith_deg, double azimuth_deg, double half_m);
+
+/// Mean Stokes vector of all pixels at a wavelength, and the standard error of each component.
+struct PictureMean {
+    Stokes<double> mean, error;
+};
+PictureMean picture_mean(const Film& film, std::size_t wavelength);
+
+/// A folder of its own that is removed at the end.
+class TempFolder {
+  public:
+    TempFolder();
+    ~TempFolder();
+    TempFolder(const TempFolder&) = delete;
+    TempFolder& operator=(const TempFolder&) = delete;
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+}  // namespace malus
