@@ -6,13 +6,29 @@
 
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 
 namespace malus::cli {
 namespace {
 
 // Signal handlers can only reach what is global; nothing else in malus is.
 std::atomic<bool> stop_wanted{false};
+std::atomic<std::time_t> stop_wanted_at{0};
 static_assert(std::atomic<bool>::is_always_lock_free);
+static_assert(std::atomic<std::time_t>::is_always_lock_free);
+
+// The first signal asks for an end in good order; one more, after it had a second for that, ends
+// the process. (Programs like timeout send one signal twice in a row.)
+void on_signal(int signal) {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (!stop_wanted.exchange(true)) {
+        stop_wanted_at = now.tv_sec;
+    } else if (now.tv_sec - stop_wanted_at > 1) {
+        std::signal(signal, SIG_DFL);
+        std::raise(signal);
+    }
+}
 
 }  // namespace
 
@@ -41,8 +57,7 @@ const std::atomic<bool>& interrupted() {
 
 void catch_interrupts() {
     struct sigaction action = {};
-    action.sa_handler = [](int) { stop_wanted = true; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    action.sa_handler = on_signal;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }

@@ -25,7 +25,8 @@ class Progress {
     Clock::time_point start_ = Clock::now(), last_;
 };
 
-/// Set by SIGINT and SIGTERM after catch_interrupts(); a second signal ends the process at once.
+/// Set by SIGINT and SIGTERM after catch_interrupts(); one more, over a second later, ends the
+/// process.
 const std::atomic<bool>& interrupted();
 void catch_interrupts();
 

@@ -261,7 +261,7 @@ TEST_CASE("Ctrl-C: the render ends in one line and leaves no file", "[cli]") {
     const std::string image = (folder / "image.exr").string();
     const std::string err = (folder / "err").string();
     const std::string command = quoted(MALUS_PROGRAM) + " " +
-                                small_render(image, "", "--width 4000 --height 4000 --spp 4096");
+                                small_render(image, "", "--width 1000 --height 1000 --spp 65536");
     const int status = std::system(("timeout -s INT 1 " + command + " 2>" + quoted(err)).c_str());
     // timeout reports 124 when it had to send its signal.
     CHECK(WEXITSTATUS(status) == 124);
