@@ -29,8 +29,8 @@ struct StretchedView {
     double cos, sin, length;
 };
 StretchedView stretched(const Vec3& wo, double alpha) {
-    const double across = alpha * std::hypot(wo.x, wo.y);
-    const double norm = std::hypot(across, wo.z);
+    const double across = alpha * std::sqrt(wo.x * wo.x + wo.y * wo.y);
+    const double norm = std::sqrt(across * across + wo.z * wo.z);
     return {wo.z / norm, across / norm, norm};
 }
 
@@ -79,7 +79,7 @@ Vec3 visible_normal(const Vec3& wo, double sigma, double u1, double u2) {
     const double along = alpha * visible_slope(stretched(wo, alpha), u1);
     const double across = alpha * gaussian_slope(u2);
     // Slopes are along and across the view's azimuth; the normal is (−slope, 1).
-    const double r = std::hypot(wo.x, wo.y);
+    const double r = std::sqrt(wo.x * wo.x + wo.y * wo.y);
     const double c = r > 0 ? wo.x / r : 1, s = r > 0 ? wo.y / r : 0;
     return normalize(Vec3{-(c * along - s * across), -(s * along + c * across), 1});
 }

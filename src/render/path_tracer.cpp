@@ -73,7 +73,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // Sky light from a direction drawn by the sky's brightness.
         const Basis basis(hit->n);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
-        sample_sky(*hit, wo, lobes, u, toward, vertex, path.rays);
+        sample_sky(*hit, basis, wo, lobes, u, toward, vertex, path.rays);
 
         // A direction drawn by the surface's lobes; facets that point it underground reflect none.
         const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
@@ -99,28 +99,27 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
             vertex.onward_light = scene_.sky.locate(wi);
             vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
             vertex.onward.weight =
-                cos_i * sky_weight(scene_.sky.pdf(wi), pdf, Lighting::kSurfaceSamples);
+                cos_i * sky_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);
         }
     }
 }
 
 // Fills the vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
-void PathTracer::sample_sky(const Hit& hit, const Vec3& wo, const DirectionSampler::View& lobes,
-                            const SamplePoint& u, const BeamFrame& toward, Vertex& vertex,
-                            std::uint64_t& rays) const {
+void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
+                            const DirectionSampler::View& lobes, const SamplePoint& u,
+                            const BeamFrame& toward, Vertex& vertex, std::uint64_t& rays) const {
     const SkySample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
     const double cos_i = dot(sky.w, hit.n);
-    if (!(sky.pdf > 0) || !(cos_i > 0) || !(dot(sky.w, hit.ng) > 0)) return;
+    if (!(sky.at.pdf > 0) || !(cos_i > 0) || !(dot(sky.w, hit.ng) > 0)) return;
     ++rays;
     if (scene_.accel.occluded(Accel::leave(hit, sky.w), sky.w)) return;
-    const Basis basis(hit.n);
     Bounce& bounce = vertex.sky_sample;
     bounce.geometry = reflection(hit.n, sky.w, wo);
     bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);
     bounce.out = turn_between(bounce.geometry.out, toward);
     bounce.weight =
-        cos_i * sky_weight(sky.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kSkySamples);
-    vertex.sky_sample_light = scene_.sky.locate(sky.w);
+        cos_i * sky_weight(sky.at.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kSkySamples);
+    vertex.sky_sample_light = sky.at;
 }
 
 void PathTracer::shade(const Path& path, float* S) const {

@@ -57,9 +57,9 @@ class PathTracer {
     std::size_t stride() const { return padded(scene_.wavelengths_nm.size()); }
 
   private:
-    void sample_sky(const Hit& hit, const Vec3& wo, const DirectionSampler::View& lobes,
-                    const SamplePoint& u, const BeamFrame& toward, Vertex& vertex,
-                    std::uint64_t& rays) const;
+    void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
+                    const DirectionSampler::View& lobes, const SamplePoint& u,
+                    const BeamFrame& toward, Vertex& vertex, std::uint64_t& rays) const;
     double sky_weight(double by_sky, double by_surface, Lighting drawn_by) const;
 
     const PreparedScene::Impl& scene_;

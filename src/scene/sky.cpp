@@ -41,15 +41,17 @@ double make_cdf(double* weights, std::size_t cells) {
 }  // namespace
 
 BeamFrame meridian_frame(const Vec3& w) {
-    const double h = std::hypot(w.x, w.z);
+    const double h = std::sqrt(w.x * w.x + w.z * w.z);
     if (h == 0) return {-w, w.y > 0 ? -kNorth : kNorth};
     return {-w, Vec3{-w.x * w.y / h, h, -w.z * w.y / h}};
 }
 
+// cos a · x_meridian − sin a · y_meridian, written without angles: the frame of the zenith carried
+// along the great circle to w.
 BeamFrame fixed_frame(const Vec3& w) {
-    const BeamFrame meridian = meridian_frame(w);
-    const double a = azimuth_of(w);
-    return {meridian.k, std::cos(a) * meridian.x - std::sin(a) * meridian.y()};
+    if (w.y < 0) return meridian_frame(w);  // black there; this form ends at the nadir
+    const double q = w.z / (1 + w.y);
+    return {-w, {-w.x * q, -w.z, 1 - w.z * q}};
 }
 
 SkyDome::Axis::Axis(std::vector<double> nodes) : nodes_(std::move(nodes)) {
@@ -141,11 +143,13 @@ void SkyDome::build_distribution() {
                 sum += static_cast<double>(row(static_cast<std::uint32_t>(node), 0)[w]) / mean[w];
         return sum;
     };
+    cos_zenith_.clear();
+    for (std::size_t r = 0; r <= rows; ++r) cos_zenith_.push_back(std::cos(zenith_.node(r)));
     row_cdf_.assign(rows + 1, 0.0);
     column_cdf_.assign(rows * (columns + 1), 0.0);
     for (std::size_t r = 0; r < rows; ++r) {
         double* cells = &column_cdf_[r * (columns + 1)];
-        const double band = std::cos(zenith_.node(r)) - std::cos(zenith_.node(r + 1));
+        const double band = cos_zenith_[r] - cos_zenith_[r + 1];
         for (std::size_t c = 0; c < columns; ++c) {
             const std::size_t node = r * (columns + 1) + c;
             const double solid_angle = band * (azimuth_.node(c + 1) - azimuth_.node(c));
@@ -156,6 +160,15 @@ void SkyDome::build_distribution() {
         row_cdf_[r] = make_cdf(cells, columns);
     }
     make_cdf(row_cdf_.data(), rows);
+    density_.assign(rows * columns, 0.0);
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < columns; ++c) {
+            const double* cdf = &column_cdf_[r * (columns + 1)];
+            const double solid_angle =
+                (cos_zenith_[r] - cos_zenith_[r + 1]) * (azimuth_.node(c + 1) - azimuth_.node(c));
+            density_[r * columns + c] =
+                (row_cdf_[r + 1] - row_cdf_[r]) * (cdf[c + 1] - cdf[c]) / solid_angle;
+        }
 }
 
 // The azimuth brought into the range of the axis, which starts at the map's first column.
@@ -167,15 +180,17 @@ SkyLookup SkyDome::locate(const Vec3& w) const {
     if (w.y < 0) return {};
     const double z = zenith_of(w), a = wrapped(azimuth_of(w));
     const std::size_t r = zenith_.cell(z), c = azimuth_.cell(a);
-    const double v =
-        std::clamp((z - zenith_.node(r)) / (zenith_.node(r + 1) - zenith_.node(r)), 0.0, 1.0);
-    const double u =
-        std::clamp((a - azimuth_.node(c)) / (azimuth_.node(c + 1) - azimuth_.node(c)), 0.0, 1.0);
+    return lookup(r, c, zenith_.fraction(r, z), azimuth_.fraction(c, a));
+}
+
+// v and u: place within cell (r, c), from its upper left node, [0,1].
+SkyLookup SkyDome::lookup(std::size_t r, std::size_t c, double v, double u) const {
     const auto node = static_cast<std::uint32_t>(r * (azimuth_.cells() + 1) + c);
     const auto below = static_cast<std::uint32_t>(node + azimuth_.cells() + 1);
     return {{node, node + 1, below, below + 1},
             {static_cast<float>((1 - v) * (1 - u)), static_cast<float>((1 - v) * u),
-             static_cast<float>(v * (1 - u)), static_cast<float>(v * u)}};
+             static_cast<float>(v * (1 - u)), static_cast<float>(v * u)},
+            density_[r * azimuth_.cells() + c]};
 }
 
 Stokes<double> SkyDome::radiance(const Vec3& w, std::size_t wavelength) const {
@@ -194,26 +209,16 @@ SkySample SkyDome::sample(double u1, double u2) const {
     const std::size_t r = find_cell(row_cdf_.data(), rows, u1);
     const double* cdf = &column_cdf_[r * (columns + 1)];
     const std::size_t c = find_cell(cdf, columns, u2);
-    const double row_share = row_cdf_[r + 1] - row_cdf_[r], column_share = cdf[c + 1] - cdf[c];
-    const double v = (u1 - row_cdf_[r]) / row_share, u = (u2 - cdf[c]) / column_share;
+    const double v = std::clamp((u1 - row_cdf_[r]) / (row_cdf_[r + 1] - row_cdf_[r]), 0.0, 1.0);
+    const double u = std::clamp((u2 - cdf[c]) / (cdf[c + 1] - cdf[c]), 0.0, 1.0);
     // Uniform in solid angle within the cell.
-    const double top = std::cos(zenith_.node(r)), bottom = std::cos(zenith_.node(r + 1));
-    const double width = azimuth_.node(c + 1) - azimuth_.node(c);
-    const double cos_z = std::max(0.0, top + std::clamp(v, 0.0, 1.0) * (bottom - top));
+    const double top = cos_zenith_[r], bottom = cos_zenith_[r + 1];
+    const double cos_z = std::max(0.0, top + v * (bottom - top));
     const double sin_z = std::sqrt((1 - cos_z) * (1 + cos_z));
-    const double a = azimuth_.node(c) + std::clamp(u, 0.0, 1.0) * width;
+    const double a = azimuth_.node(c) + u * (azimuth_.node(c + 1) - azimuth_.node(c));
+    const double z = std::atan2(sin_z, cos_z);
     return {{sin_z * std::sin(a), cos_z, -sin_z * std::cos(a)},
-            row_share * column_share / ((top - bottom) * width)};
-}
-
-double SkyDome::pdf(const Vec3& w) const {
-    if (w.y < 0 || row_cdf_.back() == 0) return 0;
-    const std::size_t r = zenith_.cell(zenith_of(w));
-    const std::size_t c = azimuth_.cell(wrapped(azimuth_of(w)));
-    const double* cdf = &column_cdf_[r * (azimuth_.cells() + 1)];
-    const double solid_angle = (std::cos(zenith_.node(r)) - std::cos(zenith_.node(r + 1))) *
-                               (azimuth_.node(c + 1) - azimuth_.node(c));
-    return (row_cdf_[r + 1] - row_cdf_[r]) * (cdf[c + 1] - cdf[c]) / solid_angle;
+            lookup(r, c, zenith_.fraction(r, z), u)};
 }
 
 }  // namespace malus

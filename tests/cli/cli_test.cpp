@@ -156,7 +156,7 @@ TEST_CASE("Render: the same pixels at one and at two threads", "[cli]") {
     CHECK(read_exr(one).channels == read_exr(two).channels);
 }
 
-TEST_CASE("Render: a quiet run says nothing; options may come from a file", "[cli]") {
+TEST_CASE("Render: a quiet run says nothing, options may come from a file", "[cli]") {
     const TempFolder folder;
     const std::string image = (folder / "image.exr").string();
     const Outcome quiet = run(small_render(image, "--quiet"));

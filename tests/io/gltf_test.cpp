@@ -382,7 +382,7 @@ TEST_CASE("Positions that are not finite are refused") {
         CHECK_THAT(message_of_draft(Draft().points({0, 0, 0, 1, 0, 0, 0, bad, 0})), has("finite"));
 }
 
-TEST_CASE("A node scales, then turns, then moves; its parent does so afterwards") {
+TEST_CASE("A node scales, then turns, then moves, its parent does so afterwards") {
     Draft draft = Draft().points(kCorner);
     const double s = std::sqrt(0.5);
     std::ostringstream nodes;

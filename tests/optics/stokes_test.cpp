@@ -61,7 +61,7 @@ TEST_CASE("Frames: there and back again is where one was") {
     }
 }
 
-TEST_CASE("AoLP: each quadrant of (S1, S2) has its angle, in [0°, 180°)") {
+TEST_CASE("AoLP: each quadrant of (S1, S2) has its angle, from 0° to below 180°") {
     const auto degrees = [](double s1, double s2) {
         return to_degrees(aolp(Stokes<double>{1, s1, s2, 0}));
     };

@@ -47,6 +47,17 @@ TEST_CASE("Sky frames: the fixed frame does not spin around the zenith") {
         }
 }
 
+TEST_CASE("Sky frames: the fixed frame is the meridian frame turned back by the azimuth") {
+    for (double z : {0.0, 0.3, 1.2, 1.57})
+        for (double a : {0.0, 1.0, 2.5, 4.0, 6.0}) {
+            const BeamFrame meridian = meridian_frame(direction(z, a));
+            // At the zenith the meridian frame is that of azimuth 0.
+            const double turn = z == 0 ? 0 : a;
+            const Vec3 x = std::cos(turn) * meridian.x - std::sin(turn) * meridian.y();
+            CHECK(length(fixed_frame(direction(z, a)).x - x) < 1e-14);
+        }
+}
+
 TEST_CASE("Sky map: interpolation reproduces a smooth sky, at the zenith and the seam too") {
     const auto sky = smooth_sky();
     const SkyDome dome(sample_sky(sky, kOne, 90, 360), kOne);
@@ -68,7 +79,7 @@ TEST_CASE("Sky map: below the horizon it is black") {
     const SkyDome dome(sample_sky(smooth_sky(), kOne, 9, 36), kOne);
     CHECK(dome.radiance(direction(to_radians(90.001), 1), 0).s0 == 0);
     CHECK(dome.radiance(direction(to_radians(90), 1), 0).s0 > 0);
-    CHECK(dome.pdf({0, -1, 0}) == 0);
+    CHECK(dome.locate({0, -1, 0}).pdf == 0);
 }
 
 TEST_CASE("Sky map: one pixel is a uniform sky") {
@@ -76,7 +87,7 @@ TEST_CASE("Sky map: one pixel is a uniform sky") {
     const SkyDome dome(sky, kOne);
     for (double z : {0.0, 0.5, 1.5}) {
         CHECK(dome.radiance(direction(z, 2 * z), 0).s0 == Approx(2.5));
-        CHECK(dome.pdf(direction(z, 2 * z)) == Approx(1 / (2 * kPi)));
+        CHECK(dome.locate(direction(z, 2 * z)).pdf == Approx(1 / (2 * kPi)));
     }
 }
 
@@ -99,9 +110,9 @@ TEST_CASE("Sky sampling: directions follow their density", "[statistical]") {
     Uniform u(3);
     for (int i = 0; i < kSamples; ++i) {
         const SkySample s = dome.sample(u(), u());
-        REQUIRE(s.pdf > 0);
+        REQUIRE(s.at.pdf > 0);
         REQUIRE(s.w.y >= 0);
-        CHECK(dome.pdf(s.w) == Approx(s.pdf).epsilon(1e-6));
+        CHECK(dome.locate(s.w).pdf == Approx(s.at.pdf).epsilon(1e-6));
         const auto z = std::min(kZ - 1, static_cast<int>(kZ * (1 - s.w.y)));
         const auto a = std::min(kA - 1, static_cast<int>(kA * azimuth_of(s.w) / (2 * kPi)));
         counts[static_cast<std::size_t>(z * kA + a)] += 1;
@@ -117,7 +128,7 @@ TEST_CASE("Sky sampling: directions follow their density", "[statistical]") {
                 for (int j = 0; j < kFine; ++j) {
                     const double y = 1 - (z + (i + 0.5) / kRefine) / kZ;
                     const double phi = 2 * kPi * (a + (j + 0.5) / kFine) / kA;
-                    sum += dome.pdf(direction(std::acos(y), phi));
+                    sum += dome.locate(direction(std::acos(y), phi)).pdf;
                 }
             const double p = sum / (kRefine * kFine) * 2 * kPi / (kZ * kA);
             expected[static_cast<std::size_t>(z * kA + a)] = p * kSamples;

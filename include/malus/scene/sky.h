@@ -61,12 +61,13 @@ Sky make_rayleigh_sky(const RayleighSky& model, std::span<const double> waveleng
 struct SkyLookup {
     std::array<std::uint32_t, 4> node{};
     std::array<float, 4> weight{};  ///< ≥ 0, sum 1; all 0 below the horizon
+    double pdf = 0;                 ///< density of SkyDome::sample() there, sr⁻¹
 };
 
-/// A direction drawn from the sky; pdf per steradian.
+/// A direction drawn from the sky, and where it lies.
 struct SkySample {
     Vec3 w;
-    double pdf = 0;
+    SkyLookup at;
 };
 
 /// A sky prepared for rendering some of its wavelengths. Immutable; many threads may share it.
@@ -86,10 +87,8 @@ class SkyDome {
     Stokes<double> radiance(const Vec3& w, std::size_t wavelength) const;
 
     /// Draws a direction by S0 (each wavelength weighs the same) from two numbers in (0,1).
-    /// pdf = 0 where the whole sky is black.
+    /// at.pdf = 0 where the whole sky is black.
     SkySample sample(double u1, double u2) const;
-    /// Density of sample() at w, sr⁻¹.
-    double pdf(const Vec3& w) const;
 
     static constexpr std::size_t kPadding = 64;
 
@@ -102,6 +101,10 @@ class SkyDome {
         std::size_t cell(double x) const;  // largest i with nodes[i] ≤ x, kept in range
         double node(std::size_t i) const { return nodes_[i]; }
         std::size_t cells() const { return nodes_.size() - 1; }
+        /// Where x lies in cell i, brought to [0,1].
+        double fraction(std::size_t i, double x) const {
+            return std::clamp((x - nodes_[i]) / (nodes_[i + 1] - nodes_[i]), 0.0, 1.0);
+        }
 
       private:
         std::vector<double> nodes_;
@@ -112,12 +115,15 @@ class SkyDome {
     void fill_nodes(const Sky& sky, std::span<const std::size_t> which);
     void build_distribution();
     double wrapped(double azimuth) const;
+    SkyLookup lookup(std::size_t r, std::size_t c, double v, double u) const;
 
     std::size_t wavelength_count_ = 0;
     Axis zenith_, azimuth_;           // with pole, horizon and the first azimuth once more
     std::vector<float> data_;         // [node][component][wavelength]
+    std::vector<double> cos_zenith_;  // of the zenith nodes
     std::vector<double> row_cdf_;     // over zenith cells
     std::vector<double> column_cdf_;  // [zenith cell][azimuth cell + 1]
+    std::vector<double> density_;     // [zenith cell][azimuth cell], sr⁻¹
 };
 
 }  // namespace malus
