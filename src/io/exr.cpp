@@ -13,6 +13,10 @@
 #include <ImfStringAttribute.h>
 #include <ImfStringVectorAttribute.h>
 #include <ImfTestFile.h>
+#include <ImfThreading.h>
+
+#include <algorithm>
+#include <thread>
 
 #include "malus/core/error.h"
 #include "malus/io/file.h"
@@ -128,7 +132,10 @@ void write_exr(const fs::path& path, const Image& image) {
         frame.insert(name, slice(data.data(), window));
     }
     write_whole(path, [&](const fs::path& beside) {
-        Imf::OutputFile file(beside.c_str(), header);
+        // Compression is most of the work; threads of OpenEXR's pool share it.
+        const auto threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
+        Imf::OutputFile file(beside.c_str(), header, threads);
         file.setFrameBuffer(frame);
         file.writePixels(image.height);
     });

@@ -35,7 +35,10 @@ Stokes<Lanes> reflected(const Surface& surface, std::size_t first, const Bounce&
 
 PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
                        const RenderSettings& settings)
-    : scene_(scene), camera_(camera), settings_(settings) {}
+    : scene_(scene),
+      camera_(camera),
+      picture_(camera, settings.width, settings.height),
+      settings_(settings) {}
 
 // 1/pdf of a direction to the sky, as the balance heuristic weighs it.
 double PathTracer::sky_weight(double by_sky, double by_surface, Lighting drawn_by) const {
@@ -48,13 +51,12 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
                        Path& path) const {
     path.vertices.clear();
     SamplePoint u = sampler.point(sample, 0);
-    Ray ray = camera_ray(camera_, pixel_x + u[kPixelX], pixel_y + u[kPixelY], settings_.width,
-                         settings_.height);
+    Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
     ray.origin = ray.origin - scene_.accel.center();
     // The frame in which light must leave the vertex: first the picture's, then the facet's.
     BeamFrame toward = image_frame(camera_, -ray.direction);
 
-    ++path.rays;
+    path.count(ray, RayKind::kFirstHit);
     std::optional<Hit> hit = scene_.accel.intersect(ray.origin, ray.direction);
     if (!hit) {
         path.sky = scene_.sky.locate(ray.direction);
@@ -73,7 +75,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // Sky light from a direction drawn by the sky's brightness.
         const Basis basis(hit->n);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
-        sample_sky(*hit, basis, wo, lobes, u, toward, vertex, path.rays);
+        sample_sky(*hit, basis, wo, lobes, u, toward, path);
 
         // A direction drawn by the surface's lobes; facets that point it underground reflect none.
         const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
@@ -88,7 +90,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // On the last bounce only the sky beyond matters.
         ray = {Accel::leave(*hit, wi), wi};
         const bool last = depth == settings_.max_depth;
-        ++path.rays;
+        path.count(ray, last ? RayKind::kAnyHit : RayKind::kFirstHit);
         const bool blocked = last && scene_.accel.occluded(ray.origin, wi);
         hit = last ? std::nullopt : scene_.accel.intersect(ray.origin, wi);
         if (blocked) return;
@@ -104,15 +106,17 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
     }
 }
 
-// Fills the vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
+// Fills the last vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
 void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                             const DirectionSampler::View& lobes, const SamplePoint& u,
-                            const BeamFrame& toward, Vertex& vertex, std::uint64_t& rays) const {
+                            const BeamFrame& toward, Path& path) const {
     const SkySample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
     const double cos_i = dot(sky.w, hit.n);
     if (!(sky.at.pdf > 0) || !(cos_i > 0) || !(dot(sky.w, hit.ng) > 0)) return;
-    ++rays;
-    if (scene_.accel.occluded(Accel::leave(hit, sky.w), sky.w)) return;
+    const Ray shadow{Accel::leave(hit, sky.w), sky.w};
+    path.count(shadow, RayKind::kAnyHit);
+    if (scene_.accel.occluded(shadow.origin, shadow.direction)) return;
+    Vertex& vertex = path.vertices.back();
     Bounce& bounce = vertex.sky_sample;
     bounce.geometry = reflection(hit.n, sky.w, wo);
     bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);

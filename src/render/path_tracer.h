@@ -36,12 +36,24 @@ struct Vertex {
     SkyLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
 };
 
+enum class RayKind { kFirstHit, kAnyHit };
+struct TracedRay {
+    Ray ray;
+    RayKind kind;
+};
+
 /// What a path needs to be shaded. Reused from path to path.
 struct Path {
     std::vector<Vertex> vertices;  ///< from the detector on
     SkyLookup sky;                 ///< what the detector sees directly, if no vertex
     Turn sky_turn;
-    std::uint64_t rays = 0;  ///< counted since the owner last set it to 0
+    std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
+    std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
+
+    void count(const Ray& ray, RayKind kind) {
+        ++rays;
+        if (log) log->push_back({ray, kind});
+    }
 };
 
 class PathTracer {
@@ -59,11 +71,12 @@ class PathTracer {
   private:
     void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                     const DirectionSampler::View& lobes, const SamplePoint& u,
-                    const BeamFrame& toward, Vertex& vertex, std::uint64_t& rays) const;
+                    const BeamFrame& toward, Path& path) const;
     double sky_weight(double by_sky, double by_surface, Lighting drawn_by) const;
 
     const PreparedScene::Impl& scene_;
     const Camera& camera_;
+    Picture picture_;
     const RenderSettings& settings_;
 };
 

@@ -7,16 +7,6 @@
 namespace malus {
 namespace {
 
-// Half the width and height of the plane that an orthographic picture shows, m.
-struct HalfSize {
-    double x, y;
-};
-HalfSize orthographic_half_size(const Camera& camera, int width, int height) {
-    const double aspect = static_cast<double>(width) / height;
-    const double y = std::max(camera.ymag, camera.xmag / aspect);
-    return {y * aspect, y};
-}
-
 void orient(Camera& camera, const View& view) {
     const Vec3 d = direction(view.zenith, view.azimuth);
     camera.forward = -d;
@@ -30,15 +20,22 @@ void orient(Camera& camera, const View& view) {
 
 }  // namespace
 
-Ray camera_ray(const Camera& camera, double px, double py, int width, int height) {
-    const double x = 2 * px / width - 1, y = 1 - 2 * py / height;  // [-1, 1], right and up
-    if (camera.projection == Projection::kPerspective) {
-        const double tan_y = std::tan(0.5 * camera.yfov), tan_x = tan_y * width / height;
-        return {camera.position,
-                normalize(camera.forward + x * tan_x * camera.right + y * tan_y * camera.up)};
-    }
-    const HalfSize half = orthographic_half_size(camera, width, height);
-    return {camera.position + x * half.x * camera.right + y * half.y * camera.up, camera.forward};
+Picture::Picture(const Camera& camera, int width, int height)
+    : projection_(camera.projection), position_(camera.position), forward_(camera.forward) {
+    const double aspect = static_cast<double>(width) / height;
+    // Half the height of what is seen: at distance 1, or on the camera's plane.
+    const double half = projection_ == Projection::kPerspective
+                            ? std::tan(0.5 * camera.yfov)
+                            : std::max(camera.ymag, camera.xmag / aspect);
+    corner_ = half * camera.up - half * aspect * camera.right;
+    across_ = (2 * half * aspect / width) * camera.right;
+    down_ = (-2 * half / height) * camera.up;
+}
+
+Ray Picture::ray(double px, double py) const {
+    const Vec3 offset = corner_ + px * across_ + py * down_;
+    if (projection_ == Projection::kPerspective) return {position_, normalize(forward_ + offset)};
+    return {position_ + offset, forward_};
 }
 
 BeamFrame image_frame(const Camera& camera, const Vec3& k) {

@@ -79,9 +79,9 @@ TEST_CASE("Camera: rays of the corners span the field of view") {
     Camera camera;
     camera.projection = Projection::kPerspective;
     camera.yfov = to_radians(90);
-    const Ray top = camera_ray(camera, 200, 0, 400, 200);
+    const Ray top = Picture(camera, 400, 200).ray(200, 0);
     check_equal(top.direction, normalize(Vec3{0, 1, -1}));
-    const Ray left = camera_ray(camera, 0, 100, 400, 200);
+    const Ray left = Picture(camera, 400, 200).ray(0, 100);
     check_equal(left.direction, normalize(Vec3{-2, 0, -1}));
 }
 

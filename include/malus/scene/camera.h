@@ -30,9 +30,19 @@ struct Ray {
     Vec3 origin, direction;
 };
 
-/// The ray into the scene through picture point (px, py). Pixels are square: a perspective camera
-/// keeps its vertical field of view, an orthographic one shows at least xmag × ymag.
-Ray camera_ray(const Camera& camera, double px, double py, int width, int height);
+/// A camera's picture of width × height pixels. Pixels are square: a perspective camera keeps its
+/// vertical field of view, an orthographic one shows at least xmag × ymag.
+class Picture {
+  public:
+    Picture(const Camera& camera, int width, int height);
+    /// The ray into the scene through picture point (px, py).
+    Ray ray(double px, double py) const;
+
+  private:
+    Projection projection_;
+    Vec3 position_, forward_;
+    Vec3 corner_, across_, down_;  // to the top left corner, and a pixel to the right and down
+};
 
 /// The image frame of the beam that reaches the detector along k (out of the scene).
 BeamFrame image_frame(const Camera& camera, const Vec3& k);

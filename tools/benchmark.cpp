@@ -1,0 +1,212 @@
+// benchmark.cpp — the renderer beside a bare loop of the same Embree calls, in one run.
+//
+// The rays of whole paths are kept (after one another, as the renderer traces them) and traced
+// again by a loop that does nothing else, in one flat Embree scene. Both use the same threads.
+// Times are the best of three rounds taken in turn, since machines are shared.
+// Prints Markdown tables. Usage: malus-benchmark SCENE SKY MATERIALS [THREADS]
+// SPDX-License-Identifier: Apache-2.0
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <thread>
+
+#include "malus/io/gltf.h"
+#include "malus/io/material_file.h"
+#include "malus/io/sky_file.h"
+#include "malus/io/stats_file.h"
+#include "render/path_tracer.h"
+
+using namespace malus;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240, kRounds = 3;
+constexpr std::uint32_t kSpp = 16;
+
+double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+// All triangles of the scene in one Embree geometry, in double-placed float coordinates.
+class BareScene {
+  public:
+    BareScene(const Scene& scene, const Vec3& center) : device_(rtcNewDevice(nullptr)) {
+        for (const Instance& instance : scene.instances) {
+            const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+            const auto first = static_cast<std::uint32_t>(positions_.size());
+            for (const Vec3f& p : mesh.positions)
+                positions_.push_back(Vec3f(instance.to_world.point(Vec3(p)) - center));
+            for (const auto& t : mesh.triangles)
+                triangles_.push_back({first + t[0], first + t[1], first + t[2]});
+        }
+        positions_.push_back({});
+        scene_ = rtcNewScene(device_);
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   positions_.data(), 0, sizeof(Vec3f), positions_.size() - 1);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   triangles_.data(), 0, sizeof triangles_[0], triangles_.size());
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene_, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene_);
+    }
+    ~BareScene() {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+    BareScene(const BareScene&) = delete;
+    BareScene& operator=(const BareScene&) = delete;
+
+    // Number of rays that met something.
+    std::size_t trace(const TracedRay* rays, std::size_t count) const {
+        std::size_t met = 0;
+        for (std::size_t i = 0; i < count; ++i) met += meets(rays[i]) ? 1 : 0;
+        return met;
+    }
+
+  private:
+    bool meets(const TracedRay& traced) const {
+        RTCRayHit found{};
+        RTCRay& ray = found.ray;
+        const Vec3f o(traced.ray.origin), d(traced.ray.direction);
+        ray.org_x = o.x, ray.org_y = o.y, ray.org_z = o.z;
+        ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
+        ray.tfar = std::numeric_limits<float>::infinity();
+        ray.mask = ~0u;
+        found.hit.geomID = found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+        if (traced.kind == RayKind::kAnyHit) return rtcOccluded1(scene_, &ray), ray.tfar < 0;
+        rtcIntersect1(scene_, &found);
+#else
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        if (traced.kind == RayKind::kAnyHit)
+            return rtcOccluded1(scene_, &context, &ray), ray.tfar < 0;
+        rtcIntersect1(scene_, &context, &found);
+#endif
+        return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    }
+
+    RTCDevice device_;
+    RTCScene scene_;
+    std::vector<Vec3f> positions_;
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
+
+// The rays of two samples of every pixel, in the renderer's order.
+std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& camera,
+                                   const RenderSettings& settings) {
+    std::vector<TracedRay> rays;
+    const PathTracer tracer(scene.impl(), camera, settings);
+    Path path;
+    path.log = &rays;
+    for (int y = 0; y < settings.height; ++y)
+        for (int x = 0; x < settings.width; ++x) {
+            const auto pixel = static_cast<std::uint64_t>(y * settings.width + x);
+            const Sampler sampler(settings.seed, pixel, 0);
+            for (std::uint32_t s = 0; s < 2; ++s) tracer.trace(x, y, sampler, s, path);
+        }
+    return rays;
+}
+
+double bare_rays_per_s(const BareScene& bare, const std::vector<TracedRay>& rays, int threads) {
+    const auto count = static_cast<std::size_t>(threads);
+    std::vector<std::size_t> met(count, 0);
+    const double start = now();
+    std::vector<std::thread> workers;
+    for (std::size_t t = 0; t < count; ++t)
+        workers.emplace_back([&, t] {
+            const std::size_t from = rays.size() * t / count, to = rays.size() * (t + 1) / count;
+            met[t] = bare.trace(&rays[from], to - from);
+        });
+    for (std::thread& worker : workers) worker.join();
+    const double seconds = now() - start;
+    std::size_t sum = 0;
+    for (std::size_t m : met) sum += m;
+    if (sum == 0) std::printf("no ray met anything\n");
+    return static_cast<double>(rays.size()) / seconds;
+}
+
+std::vector<double> spread(std::size_t count) {
+    std::vector<double> nm;
+    for (std::size_t i = 0; i < count; ++i)
+        nm.push_back(count == 1
+                         ? 440
+                         : 440 + 160.0 * static_cast<double>(i) / static_cast<double>(count - 1));
+    return nm;
+}
+
+void measure(const std::string& scene_file, const Sky* sky_of_file,
+             const std::vector<Material>& materials, std::size_t wavelengths, int threads) {
+    const double start = now();
+    const std::vector<double> nm = spread(wavelengths);
+    const Sky sky = wavelengths <= 2 ? *sky_of_file : make_rayleigh_sky({}, nm, 45, 180);
+    Scene scene = read_gltf(scene_file);
+    const Camera camera = scene.cameras.at(0);
+    const std::vector<int> paints = assign_paints(scene, {}, materials);
+    const Scene copy = scene;
+    const PreparedScene prepared(std::move(scene), paints, materials, sky, nm);
+    RenderSettings settings;
+    settings.width = kWidth, settings.height = kHeight;
+    settings.threads = threads;
+    settings.spp = 8;
+    settings.width = settings.height = 1;
+    render(prepared, camera, settings);
+    const double first_pixel = now() - start;
+
+    settings.width = kWidth, settings.height = kHeight, settings.spp = kSpp;
+    const std::vector<TracedRay> rays = gather_rays(prepared, camera, settings);
+    const BareScene bare(copy, prepared.impl().accel.center());
+    double best_bare = 0, best_seconds = HUGE_VAL;
+    RenderResult result;
+    for (int round = 0; round < kRounds; ++round) {
+        best_bare = std::max(best_bare, bare_rays_per_s(bare, rays, threads));
+        const double begin = now();
+        result = render(prepared, camera, settings);
+        best_seconds = std::min(best_seconds, now() - begin);
+    }
+    const double rays_per_s = static_cast<double>(result.rays) / best_seconds;
+    const ErrorSummary error = summarize_error(result.film, 0);
+    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.0f | %.0f | %.1f %% | %.4f |\n", wavelengths,
+                static_cast<double>(result.paths) / best_seconds / 1e6, rays_per_s / 1e6,
+                best_bare / 1e6, rays_per_s / best_bare, 1e3 * first_pixel, peak_memory_mib(),
+                100 * error.rms_s0_relative, error.rms_dolp);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 4 || argc > 5) {
+        std::fprintf(stderr, "usage: malus-benchmark SCENE SKY MATERIALS [THREADS]\n");
+        return 2;
+    }
+    try {
+        const int threads = argc == 5 ? std::max(1, std::atoi(argv[4]))
+                                      : static_cast<int>(std::thread::hardware_concurrency());
+        const Sky sky = read_sky(argv[2]);
+        const std::vector<Material> materials = read_materials(argv[3]).materials;
+        std::printf("%s, %d x %d pixels, %u samples a pixel, depth 2, %d threads\n\n", argv[1],
+                    kWidth, kHeight, kSpp, threads);
+        std::printf(
+            "| wavelengths | samples/s, million | rays/s, million | bare Embree rays/s, "
+            "million | ratio | start to first pixel, ms | peak memory, MiB | standard "
+            "error of S0 (rms) | of DoLP |\n|---|---|---|---|---|---|---|---|---|\n");
+        for (std::size_t wavelengths : {1u, 2u, 16u})
+            measure(argv[1], &sky, materials, wavelengths, threads);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "malus-benchmark: %s\n", error.what());
+        return 1;
+    }
+    return 0;
+}
