@@ -12,8 +12,9 @@
 // Frame   M is fresnel.h's matrix, s = unit(k_in × k_out) on both beams, k_in = −wi, k_out = wo.
 // Range   |S| ≤ S0 is kept, f = 0 when cosθi ≤ 0 or cosθo ≤ 0; reciprocal: M(wo→wi) = D Mᵀ D with
 //         D = diag(1,1,−1,1). Diverges at grazing as 1/(cosθi cosθo): the model's own limit.
-// Source  Priest & Germer, Proc. SPIE 4133 (2000) / 2002 Meeting of the Military Sensing
-//         Symposia; Priest & Meier, Opt. Eng. 41, 988 (2002); Torrance & Sparrow, JOSA 57, 1105.
+// Source  Priest & Germer, Polarimetric BRDF in the Microfacet Model, Meeting of the Military
+//         Sensing Symposia, Passive Sensors (2000); Priest & Meier, Opt. Eng. 41, 988 (2002);
+//         Torrance & Sparrow, JOSA 57, 1105 (1967).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
