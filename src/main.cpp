@@ -14,21 +14,35 @@ namespace {
 
 constexpr int kFailed = 1, kUsage = 2;
 
+// The commands that are called, e.g. {"sky", "make"}: words on the line that name one.
+std::vector<std::string> called(const CLI::App& app, int argc, char** argv) {
+    std::vector<std::string> commands;
+    const CLI::App* at = &app;
+    for (int i = 1; i < argc; ++i) {
+        const auto subs =
+            at->get_subcommands([&](const CLI::App* sub) { return sub->get_name() == argv[i]; });
+        if (subs.empty()) continue;
+        at = subs.front();
+        commands.push_back(argv[i]);
+    }
+    return commands;
+}
+
 // Config files: the options of the command that is called, at the top of the file or in a section
 // of the command's name.
 class CommandConfig : public CLI::ConfigTOML {
   public:
-    explicit CommandConfig(std::string command) : command_(std::move(command)) {}
+    explicit CommandConfig(std::vector<std::string> command) : command_(std::move(command)) {}
     std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
         std::vector<CLI::ConfigItem> found = CLI::ConfigTOML::from_config(in);
         for (CLI::ConfigItem& item : found)
             if (item.parents.empty() && item.name != "++" && item.name != "--")
-                item.parents = {command_};
+                item.parents = command_;
         return found;
     }
 
   private:
-    std::string command_;
+    std::vector<std::string> command_;
 };
 
 int run(int argc, char** argv) {
@@ -41,12 +55,12 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", malus::cli::version());
     app.set_config("--config", "", "Take options from this TOML file (same names, without --)");
     app.allow_config_extras(CLI::config_extras_mode::error);
-    app.config_formatter(std::make_shared<CommandConfig>(argc > 1 ? argv[1] : ""));
     app.footer("malus COMMAND --help explains the options of a command with units and defaults.");
     malus::cli::add_render(app, malus::cli::command_line(argc, argv));
     malus::cli::add_sky(app, malus::cli::command_line(argc, argv));
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
+    app.config_formatter(std::make_shared<CommandConfig>(called(app, argc, argv)));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& usage) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <iostream>
 
@@ -111,7 +112,9 @@ void describe_image(const std::string& path, const Image& image) {
 }
 
 void describe(const std::string& path) {
-    const std::string ending = std::filesystem::path(path).extension().string();
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (ending == ".gltf" || ending == ".glb") return describe_scene(path);
     if (ending == ".json") return describe_materials(path);
     if (ending == ".csv") return describe_sky(path);

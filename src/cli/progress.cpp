@@ -17,8 +17,8 @@ std::atomic<std::time_t> stop_wanted_at{0};
 static_assert(std::atomic<bool>::is_always_lock_free);
 static_assert(std::atomic<std::time_t>::is_always_lock_free);
 
-// The first signal asks for an end in good order; one more, after it had a second for that, ends
-// the process. (Programs like timeout send one signal twice in a row.)
+// The first signal asks for an end in good order; one more, some two seconds later, ends the
+// process. (Programs like timeout send one signal twice in a row.)
 void on_signal(int signal) {
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);

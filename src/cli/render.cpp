@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/progress.h"
+#include "cli/validators.h"
 #include "malus/core/error.h"
 #include "malus/io/file.h"
 #include "malus/io/gltf.h"
@@ -157,9 +158,19 @@ Labels make_labels(const Scene& scene, const std::vector<Material>& materials,
     return labels;
 }
 
+// Samples that were kept out are said even in a quiet run: numbers may be missing.
+void tell_refused(const RenderStats& stats, const RenderResult& result) {
+    const RefusedSample& r = result.first_refused.front();
+    std::cerr << "malus: warning: " << result.refused << " of " << result.paths
+              << " samples were not finite or negative and were left out; first at pixel (" << r.x
+              << ',' << r.y << "), replicate " << r.replicate << ", sample " << r.sample
+              << ", seed " << stats.seed << "; please report it with the scene\n";
+}
+
 // What a person wants to know when it is done, on one line.
 void tell_result(const RenderOptions& options, const RenderStats& stats,
                  const RenderResult& result) {
+    if (result.refused > 0) tell_refused(stats, result);
     if (options.quiet) return;
     std::string errors;
     for (std::size_t w = 0; w < result.film.wavelengths_nm.size(); ++w) {
@@ -174,13 +185,6 @@ void tell_result(const RenderOptions& options, const RenderStats& stats,
                 options.output.c_str(), stats.render_s,
                 static_cast<double>(result.rays) / std::max(1e-9, stats.render_s) / 1e6,
                 errors.c_str(), static_cast<unsigned long long>(result.refused));
-    if (result.refused > 0) {
-        const RefusedSample& r = result.first_refused.front();
-        std::cerr << "malus: warning: " << result.refused << " of " << result.paths
-                  << " samples were not finite or negative and were left out; first at pixel ("
-                  << r.x << ',' << r.y << "), replicate " << r.replicate << ", sample " << r.sample
-                  << ", seed " << stats.seed << "; please report it with the scene\n";
-    }
 }
 
 void add_provenance(Image& image, const RenderStats& stats, const std::string& command_line) {
@@ -192,11 +196,33 @@ void add_provenance(Image& image, const RenderStats& stats, const std::string& c
     image.attributes["dolpEstimator"] = "raw";
 }
 
+// `--materials a.json scene.glb` gives the scene to --materials, which takes any number of files.
+void find_scene(RenderOptions& options) {
+    if (!options.scene.empty()) return;
+    const std::string last = options.materials.back();
+    if (options.materials.size() < 2 || !(last.ends_with(".gltf") || last.ends_with(".glb")))
+        throw CLI::RequiredError("scene");
+    options.scene = last;
+    options.materials.pop_back();
+}
+
+// Outputs can be written and replace nothing that is read or written besides.
+void check_outputs(const RenderOptions& options) {
+    std::vector<std::filesystem::path> others(options.materials.begin(), options.materials.end());
+    others.insert(others.end(), {options.scene, options.sky});
+    check_writable(options.output);
+    check_distinct(options.output, others);
+    if (options.stats.empty()) return;
+    others.push_back(options.output);
+    check_writable(options.stats);
+    check_distinct(options.stats, others);
+}
+
 void render_to_file(RenderOptions& options, const std::string& command_line) {
     RenderStats stats;
     auto start = std::chrono::steady_clock::now();
-    check_writable(options.output);
-    if (!options.stats.empty()) check_writable(options.stats);
+    find_scene(options);
+    check_outputs(options);
     const std::vector<Material> materials = read_all_materials(options);
     const Sky sky = read_sky(options.sky);
     Scene scene = read_gltf(options.scene);
@@ -251,7 +277,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
 }
 
 void add_inputs(CLI::App& sub, RenderOptions& o) {
-    sub.add_option("scene", o.scene, "Scene, glTF 2.0: .gltf or .glb")->required();
+    sub.add_option("scene", o.scene, "Scene, glTF 2.0: .gltf or .glb (required)");
     sub.add_option("--sky", o.sky, "Sky map: .exr (malus sky make) or .csv")->required();
     sub.add_option("--materials", o.materials, "Paints: one or more .json files")->required();
     sub.add_option("-o,--output", o.output, "Image to write, EXR")->required();
@@ -275,19 +301,19 @@ void add_view(CLI::App& sub, RenderOptions& o) {
     o.view_options = {
         sub.add_option("--view-zenith", o.view_zenith_deg,
                        "Zenith angle of the detector as seen from the target, degrees")
-            ->check(CLI::Range(0.0, 180.0)),
+            ->check(within(0.0, 180.0)),
         sub.add_option("--view-azimuth", o.view_azimuth_deg,
                        "Azimuth of the detector as seen from the target, degrees clockwise from "
                        "north (-Z); image up is away from the ground, north when looking straight "
                        "down")
-            ->check(CLI::Range(-360.0, 360.0)),
+            ->check(within(-360.0, 360.0)),
         sub.add_option("--look-at", o.look_at, "Frame this node instead of the whole scene"),
         sub.add_option("--fov", o.fov_deg,
                        "Perspective with this vertical field of view, degrees [orthographic]")
-            ->check(CLI::Range(1e-3, 170.0)),
+            ->check(within(1e-3, 170.0)),
         sub.add_flag("--orthographic", o.orthographic, "Orthographic view (the default)"),
         sub.add_option("--margin", o.margin, "Free border, fraction of the picture")
-            ->check(CLI::Range(0.0, 0.45))};
+            ->check(within(0.0, 0.45))};
     for (CLI::Option* option : o.view_options) {
         option->group(group)->excludes(o.camera_option);
         if (option->get_name() != "--look-at" && option->get_name() != "--fov" &&
@@ -313,6 +339,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     sub.add_option("--seed", s.seed, "Another seed gives an independent image")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     sub.add_option("--threads", s.threads,
                    "Threads; 0: all of the machine. The image does not depend on it")

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "cli/commands.h"
+#include "cli/validators.h"
 #include "malus/core/error.h"
 #include "malus/io/file.h"
 #include "malus/io/sky_file.h"
@@ -49,18 +50,18 @@ void add_sky(CLI::App& app, const std::string& command_line) {
     sub->add_option("-o,--output", options->output, "Sky map to write, EXR")->required();
     sub->add_option("--wavelengths", options->wavelengths_nm, "Wavelengths, nm, e.g. 440,600")
         ->delimiter(',')
-        ->check(CLI::Range(200.0, 4000.0))
+        ->check(within(200.0, 4000.0))
         ->capture_default_str();
     sub->add_option("--sun-zenith", options->sun_zenith_deg, "Zenith angle of the sun, degrees")
-        ->check(CLI::Range(0.0, 89.0))
+        ->check(within(0.0, 89.0))
         ->capture_default_str();
     sub->add_option("--sun-azimuth", options->sun_azimuth_deg,
                     "Azimuth of the sun, degrees clockwise from north (-Z); east (+X) is 90")
-        ->check(CLI::Range(-360.0, 360.0))
+        ->check(within(-360.0, 360.0))
         ->capture_default_str();
     sub->add_option("--max-dolp", options->max_dolp,
                     "Degree of linear polarization 90 degrees from the sun, 0 to 1")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(within(0.0, 1.0))
         ->capture_default_str();
     sub->add_option("--width", options->width, "Columns: azimuth 0 to 360 degrees")
         ->check(CLI::Range(1, 65536))

@@ -30,19 +30,34 @@ void check_writable(const fs::path& path) {
                     "'); create it or choose another name");
     if (fs::is_directory(path, error))
         throw Error(path.string() + ": cannot be written (it is a folder); add a file name");
+    if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+        throw Error(path.string() +
+                    ": cannot be written (it is a device or a pipe, which a finished file would "
+                    "replace); name a file");
     if (::access(folder.c_str(), W_OK) != 0)
         throw Error(path.string() + ": cannot be written (" + std::strerror(errno) +
                     "); choose a folder that you may write to");
 }
 
+void check_distinct(const fs::path& output, const std::vector<fs::path>& others) {
+    std::error_code error;
+    const fs::path place = fs::weakly_canonical(output, error);
+    for (const fs::path& other : others)
+        if (!other.empty() && fs::weakly_canonical(other, error) == place)
+            throw Error(output.string() + ": would replace '" + other.string() +
+                        "', which this command also uses; choose another name");
+}
+
 void write_whole(const fs::path& path, const std::function<void(const fs::path&)>& write) {
     check_writable(path);
-    const fs::path beside =
-        folder_of(path) / (".malus-" + std::to_string(::getpid()) + "-" + path.filename().string());
+    // A link stays a link: what it points to is replaced.
     std::error_code ignored;
+    const fs::path target = fs::is_symlink(path, ignored) ? fs::canonical(path, ignored) : path;
+    const fs::path beside = folder_of(target) / (".malus-" + std::to_string(::getpid()) + "-" +
+                                                 target.filename().string());
     try {
         write(beside);
-        fs::rename(beside, path);
+        fs::rename(beside, target);
     } catch (const std::exception& problem) {
         fs::remove(beside, ignored);
         throw Error(path.string() + ": cannot be written (" + one_line(problem.what()) +

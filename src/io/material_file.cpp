@@ -15,6 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Far beyond any surface, and what floats still resolve: outside, sums would overflow or cancel in
+// silence. Angles are in the unit of the file.
+constexpr double kLeastIndex = 0.05, kMostIndex = 1e3;
+constexpr double kLeastSlope = 1e-6, kMostSlope = 100;
+constexpr double kLeastAngle = 1e-6, kMostAngle = 1e6;
+constexpr double kMostReflected = 1e4;
+
 // A JSON object and where it stands, so that each message can say it.
 class Section {
   public:
@@ -55,11 +62,11 @@ class Section {
         return x;
     }
 
-    double number_from(const char* key, double limit) const {
+    double number_within(const char* key, double least, double most) const {
         const double x = number(key);
-        if (!(x >= limit))
-            throw Error(place_ + ": '" + key + "' is " + to_text(x) + "; it must be ≥ " +
-                        to_text(limit));
+        if (!(x >= least && x <= most))
+            throw Error(place_ + ": '" + key + "' is " + to_text(x) + "; it must be within " +
+                        to_text(least) + " to " + to_text(most));
         return x;
     }
 
@@ -96,8 +103,8 @@ void read_shadowing(const Section& row, PriestGermer<double>& p) {
     shadowing.at("unit");
     const bool degrees = shadowing.choice("unit", {"rad", "deg"}) == 1;
     const double unit = degrees ? to_radians(1) : 1;
-    p.tau = unit * shadowing.number_above("tau", 0);
-    p.inv_omega = 1 / (unit * shadowing.number_above("Omega", 0));
+    p.tau = unit * shadowing.number_within("tau", kLeastAngle, kMostAngle);
+    p.inv_omega = 1 / (unit * shadowing.number_within("Omega", kLeastAngle, kMostAngle));
 }
 
 // Volume light falls from ρd + ρv (both directions along the normal) to ±∞·ρv at grazing, so it
@@ -112,12 +119,15 @@ MaterialRow read_row(const Json& json, const std::string& place) {
         {"wavelength_nm", "n", "k", "B", "sigma", "shadowing", "rho_d", "rho_v", "notes"});
     MaterialRow out{row.number_above("wavelength_nm", 0), {}};
     out.p.n = row.number_above("n", 0);
-    out.p.k = row.number_from("k", 0);
-    out.p.B = row.number_from("B", 0);
-    out.p.sigma = row.number_above("sigma", 0);
+    out.p.k = row.number_within("k", 0, kMostIndex);
+    if (out.p.n > kMostIndex || std::hypot(out.p.n, out.p.k) < kLeastIndex)
+        throw Error(place + ": 'n' is " + to_text(out.p.n) + "; |n + ik| must be within " +
+                    to_text(kLeastIndex) + " to " + to_text(kMostIndex));
+    out.p.B = row.number_within("B", 0, kMostReflected);
+    out.p.sigma = row.number_within("sigma", kLeastSlope, kMostSlope);
     read_shadowing(row, out.p);
-    out.p.rho_d = row.number("rho_d");
-    out.p.rho_v = row.number("rho_v");
+    out.p.rho_d = row.number_within("rho_d", -kMostReflected, kMostReflected);
+    out.p.rho_v = row.number_within("rho_v", -kMostReflected, kMostReflected);
     return out;
 }
 

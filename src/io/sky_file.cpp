@@ -18,6 +18,9 @@ namespace fs = std::filesystem;
 namespace malus {
 namespace {
 
+// Beyond this floats would overflow on the way to a picture, W m⁻² sr⁻¹ nm⁻¹. (The sun has 3e4.)
+constexpr double kBrightest = 1e20;
+
 // Throws unless S is light. Maps are 32-bit floats, so |S| may exceed S0 by their rounding; such a
 // vector is brought back onto |S| = S0.
 // place() names where S stands; it is called for a message only.
@@ -25,6 +28,9 @@ template <class Place>
 Stokes<double> checked(const Stokes<double>& S, Place place) {
     if (!std::isfinite(S.s0 + S.s1 + S.s2 + S.s3))
         throw Error(place() + ": a Stokes component is not finite; mend the map");
+    if (S.s0 > kBrightest)
+        throw Error(place() + ": S0 = " + to_text(S.s0) +
+                    " is brighter than anything; mend the map");
     if (S.s0 < 0) throw Error(place() + ": S0 = " + to_text(S.s0) + " is negative; mend the map");
     const double P = std::sqrt(S.s1 * S.s1 + S.s2 * S.s2 + S.s3 * S.s3);
     if (P > S.s0 * (1 + 1e-5))
@@ -69,6 +75,15 @@ std::vector<double> sun_irradiance(const std::string& text, const Sky& sky,
     return irradiance;
 }
 
+// +1 when S3 > 0 means right-handed light, as it does for us and where nothing is said.
+double handedness(const Image& image, const std::string& file) {
+    const std::string* word = image.text("polarisationHandedness");
+    if (!word || *word == "right") return 1;
+    if (*word == "left") return -1;
+    throw Error(file + ": polarisationHandedness is '" + one_line(*word) +
+                "'; it must be 'right' or 'left'");
+}
+
 void read_sun(const Image& image, Sky& sky, const std::string& file) {
     const float* zenith = image.number("sunZenith");
     const float* azimuth = image.number("sunAzimuth");
@@ -94,6 +109,7 @@ Sky from_exr(const fs::path& path) {
     }
     if (sky.wavelengths_nm.empty())
         throw Error(file + ": no channels S0.…nm to S3.…nm; this is not a sky map");
+    const double s3_sign = handedness(image, file);
     const std::string* frame = image.text("stokesReferenceFrame");
     if (frame && *frame != "meridian")
         throw Error(file + ": stokesReferenceFrame is '" + one_line(*frame) +
@@ -107,7 +123,7 @@ Sky from_exr(const fs::path& path) {
             S[c] = spectral_data(image, "S" + std::to_string(c), nm).data();
         for (std::size_t i = 0; i < image.pixel_count(); ++i) {
             const auto s = [&](std::size_t c) { return static_cast<double>(S[c][i]); };
-            sky.nodes.push_back(checked({s(0), s(1), s(2), s(3)}, [&] {
+            sky.nodes.push_back(checked({s(0), s(1), s(2), s3_sign * s(3)}, [&] {
                 const auto width = static_cast<std::size_t>(image.width);
                 return file + ": " + to_text(nm) + " nm, pixel (" + std::to_string(i % width) +
                        "," + std::to_string(i / width) + ")";
@@ -252,7 +268,9 @@ void write_sky(const fs::path& path, const Sky& sky,
     for (const auto& [name, value] : attributes) image.attributes[name] = value;
     if (sky.sun) {
         image.attributes["sunZenith"] = static_cast<float>(to_degrees(sky.sun->zenith));
-        image.attributes["sunAzimuth"] = static_cast<float>(to_degrees(sky.sun->azimuth));
+        const double azimuth = to_degrees(sky.sun->azimuth);
+        image.attributes["sunAzimuth"] =
+            static_cast<float>(azimuth - 360 * std::floor(azimuth / 360));
         std::string irradiance;
         for (std::size_t w = 0; w < sky.sun->irradiance.size(); ++w)
             irradiance +=

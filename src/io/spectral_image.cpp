@@ -13,7 +13,7 @@
 namespace malus {
 namespace {
 
-// The wavelengths of the film in one row of channels each: quantity(pixel) for all pixels.
+// One channel: quantity(pixel) at wavelength w, for all pixels.
 template <class Quantity>
 void fill(Image& image, const std::string& name, const Film& film, std::size_t w,
           Quantity quantity) {

@@ -45,6 +45,14 @@ EmbreeScene new_scene(RTCDevice device) {
     return scene;
 }
 
+// Can Embree turn rays into the mesh's own coordinates and back? A node may legally flatten its
+// mesh; such a one, and what floats cannot hold, is placed as triangles of its own.
+bool invertible(const Affine& a) {
+    const double x = length(a.x), y = length(a.y), z = length(a.z);
+    const double least = std::min({x, y, z}), most = std::max({x, y, z});
+    return least > 1e-15 && most < 1e15 && std::abs(a.determinant()) > 1e-4 * x * y * z;
+}
+
 // `positions` must outlive the geometry and be readable 4 bytes past its end.
 Geometry triangle_geometry(RTCDevice device, const std::vector<Vec3f>& positions,
                            const Mesh& mesh) {
@@ -106,12 +114,21 @@ struct Placed {
     bool flat;  // its corners already lie in centred world coordinates
 };
 
+// A mesh that is placed more than once, in its own coordinates about its own centre: Embree meets
+// it there in floats, so that far from the centre they would be too coarse.
+struct SharedMesh {
+    EmbreeScene scene;
+    Vec3 center;
+    double radius = 0;  // largest coordinate about the centre
+    std::vector<Vec3f> positions;
+};
+
 struct Accel::Impl {
     const Scene& scene;
     Vec3 center;
     double radius = 0;
     Device device;
-    std::vector<EmbreeScene> mesh_scenes;            // of meshes that are placed more than once
+    std::vector<SharedMesh> shared;                  // per mesh; empty where placed once
     std::vector<std::vector<Vec3f>> flat_positions;  // per instance; empty where not flat
     std::vector<Placed> placed;
     EmbreeScene top;
@@ -129,12 +146,13 @@ struct Accel::Impl {
 
     void build() {
         std::vector<int> uses(scene.meshes.size(), 0);
-        for (const Instance& i : scene.instances) ++uses[static_cast<std::size_t>(i.mesh)];
-        mesh_scenes.resize(scene.meshes.size());
+        for (const Instance& i : scene.instances)
+            if (invertible(i.to_world)) ++uses[static_cast<std::size_t>(i.mesh)];
+        shared.resize(scene.meshes.size());
         flat_positions.resize(scene.instances.size());
         for (std::size_t i = 0; i < scene.instances.size(); ++i) {
             const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
-            const bool flat = uses[mesh] == 1;
+            const bool flat = uses[mesh] == 1 || !invertible(scene.instances[i].to_world);
             const Geometry geometry = flat ? flat_geometry(i) : instance_geometry(i);
             const unsigned id = rtcAttachGeometry(top.get(), geometry.get());
             if (placed.size() <= id) placed.resize(id + 1);
@@ -158,24 +176,44 @@ struct Accel::Impl {
     Geometry instance_geometry(std::size_t i) {
         const Instance& instance = scene.instances[i];
         const auto m = static_cast<std::size_t>(instance.mesh);
-        if (!mesh_scenes[m]) {
-            mesh_scenes[m] = new_scene(device.get());
-            shared_positions.push_back(scene.meshes[m].positions);
-            shared_positions.back().push_back({});
-            const Geometry geometry =
-                triangle_geometry(device.get(), shared_positions.back(), scene.meshes[m]);
-            rtcAttachGeometry(mesh_scenes[m].get(), geometry.get());
-            rtcCommitScene(mesh_scenes[m].get());
-        }
+        if (!shared[m].scene) share(m);
         Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
-        rtcSetGeometryInstancedScene(geometry.get(), mesh_scenes[m].get());
+        rtcSetGeometryInstancedScene(geometry.get(), shared[m].scene.get());
         const Affine& a = instance.to_world;
-        const Vec3 t = a.t - center;
+        const Vec3 t = a.point(shared[m].center) - center;
         const std::array<Vec3f, 4> columns{Vec3f(a.x), Vec3f(a.y), Vec3f(a.z), Vec3f(t)};
         rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
                                 columns.data());
         rtcCommitGeometry(geometry.get());
         return geometry;
+    }
+
+    void share(std::size_t m) {
+        const Mesh& mesh = scene.meshes[m];
+        Box box;
+        for (const Vec3f& p : mesh.positions) box.add(Vec3(p));
+        const Vec3 half = box.upper - box.center();
+        shared[m].center = box.center();
+        shared[m].radius = std::max({half.x, half.y, half.z});
+        for (const Vec3f& p : mesh.positions)
+            shared[m].positions.push_back(Vec3f(Vec3(p) - box.center()));
+        shared[m].positions.push_back({});
+        shared[m].scene = new_scene(device.get());
+        const Geometry geometry = triangle_geometry(device.get(), shared[m].positions, mesh);
+        rtcAttachGeometry(shared[m].scene.get(), geometry.get());
+        rtcCommitScene(shared[m].scene.get());
+    }
+
+    // How far from the scene's or the mesh's centre the numbers go that a hit is found with, m.
+    double reach_of(const Placed& at, const std::array<Vec3, 3>& p) const {
+        double reach = 0;
+        for (const Vec3& c : p)
+            reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+        if (at.flat) return reach;
+        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
+        const Affine& a = instance.to_world;
+        const double scale = std::max({length(a.x), length(a.y), length(a.z)});
+        return std::max(reach, scale * shared[static_cast<std::size_t>(instance.mesh)].radius);
     }
 
     // Corners of the triangle hit, in centred world coordinates.
@@ -192,8 +230,6 @@ struct Accel::Impl {
     }
 
     Hit surface_point(const RTCRayHit& found, const Vec3& direction) const;
-
-    std::vector<std::vector<Vec3f>> shared_positions;  // per shared mesh, in order of first use
 };
 
 // Position and normals from the triangle's corners in double: what Embree returns of them is
@@ -212,9 +248,7 @@ Hit Accel::Impl::surface_point(const RTCRayHit& found, const Vec3& direction) co
     hit.position = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
     const Vec3 outward = cross(p[1] - p[0], p[2] - p[0]);
     const double area = length(outward);
-    double reach = 0;
-    for (const Vec3& c : p) reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-    hit.offset = kOffset * reach;
+    hit.offset = kOffset * reach_of(at, p);
     // A needle's area can vanish in double; Embree then hits it edge-on at most.
     hit.ng = area > 0 ? outward / area : -direction;
     if (dot(hit.ng, direction) > 0) hit.ng = -hit.ng;

@@ -108,7 +108,12 @@ struct Parts {
 };
 Parts reflected_parts(const PriestGermer<double>& p, Slopes slopes, double cos_o) {
     const double norm = slopes == Slopes::kGaussian ? 1 : cauchy_norm(p.sigma);
-    return {p.B * norm * fresnel(p.n, p.k, cos_o).a, kPi * volume(p.rho_d, p.rho_v, 0.5, cos_o)};
+    // f_vol is monotone in cosθi: if it is positive anywhere, it is so at one of the ends.
+    const auto f_vol = [&](double cos_i) {
+        return volume(p.rho_d, p.rho_v, cos_i, std::max(cos_o, 0.1));
+    };
+    return {p.B * norm * fresnel(p.n, p.k, cos_o).a(),
+            kPi * std::max({f_vol(0.5), 0.25 * f_vol(0), 0.25 * f_vol(1)})};
 }
 
 }  // namespace

@@ -5,11 +5,11 @@
 //     D of roughness α = √2 σ):  p_j = D(h) / (4 A(wo)),  A = ∫ max(0, wo·h) D(h) dω_h
 //   Cauchy slopes:  p_j = P(h) / (4 (wo·h) ∫P dΩ)
 //
-// One mixture serves all wavelengths: roughnesses within a fifth of each other share a lobe, and
-// q follows the mean over the wavelengths of what the parts reflect at this view. Every
-// wavelength's f/pdf is then bounded wherever its own lobe's would be. Frame   directions are
-// local: z is the shading normal. Source  Walter et al., Microfacet Models for Refraction (EGSR
-// 2007); Heitz & d'Eon, Importance
+// One mixture serves all wavelengths: roughnesses within a fifth of each other share a lobe, and q
+// follows the mean over the wavelengths of what the parts reflect at this view. f/pdf of every
+// wavelength is then bounded wherever its own lobe's would be.
+// Frame   directions are local: z is the shading normal.
+// Source  Walter et al., Microfacet Models for Refraction (EGSR 2007); Heitz & d'Eon, Importance
 //         Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals (EGSR 2014).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once

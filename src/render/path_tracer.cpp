@@ -24,11 +24,28 @@ bool is_sky(const SkyLookup& at) {
     return at.weight != std::array<float, 4>{};
 }
 
+// Light as a facet may meet it: rounding of the turns before must not take S0 below |S1|.
+Stokes<Lanes> at_least_polarized(Stokes<Lanes> S) {
+    S.s0 = max(S.s0, abs(S.s1));
+    return S;
+}
+
 Stokes<Lanes> reflected(const Surface& surface, std::size_t first, const Bounce& bounce,
                         const Stokes<Lanes>& S) {
     const BrdfMueller<Lanes> f =
         eval(surface.lanes(first), surface.slopes(), surface.attenuation(), bounce.geometry);
-    return turned(real<Lanes>(bounce.weight) * (f * turned(S, bounce.in)), bounce.out);
+    const Stokes<Lanes> in = at_least_polarized(turned(S, bounce.in));
+    return turned(real<Lanes>(bounce.weight) * (f * in), bounce.out);
+}
+
+// Moves the origin of a ray from far away to where it enters the ball around the scene, in double:
+// floats are too coarse for an origin at a satellite. Returns the way saved, m.
+double approach(Ray& ray, double radius) {
+    const double reach = 2 * radius, along = -dot(ray.origin, ray.direction);
+    const double skipped = along - reach;
+    if (skipped <= 0) return 0;
+    ray.origin = ray.origin + skipped * ray.direction;
+    return skipped;
 }
 
 }  // namespace
@@ -53,6 +70,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
     SamplePoint u = sampler.point(sample, 0);
     Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
     ray.origin = ray.origin - scene_.accel.center();
+    const double skipped = approach(ray, scene_.accel.radius());
     // The frame in which light must leave the vertex: first the picture's, then the facet's.
     BeamFrame toward = image_frame(camera_, -ray.direction);
 
@@ -69,7 +87,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         const Vec3 wo = -ray.direction;
         Vertex& vertex = path.vertices.emplace_back();
         vertex.instance = hit->instance;
-        vertex.distance = hit->distance;
+        vertex.distance = hit->distance + (depth == 1 ? skipped : 0);
         if (surface.directions().black()) return;
 
         // Sky light from a direction drawn by the sky's brightness.

@@ -17,7 +17,15 @@
 namespace malus {
 namespace {
 
-constexpr int kTile = 16;  // pixels along a tile's side
+// Pixels along a tile's side: small pictures still give every thread several tiles.
+int tile_side(const RenderSettings& settings, int threads) {
+    const double pixels = static_cast<double>(settings.width) * settings.height;
+    return std::clamp(static_cast<int>(std::sqrt(pixels / (16.0 * threads))), 1, 16);
+}
+
+bool stop_wanted(const RenderSettings& settings) {
+    return settings.stop && settings.stop->load(std::memory_order_relaxed);
+}
 
 // Work of one thread on one tile; the counts are merged when the tile is done.
 struct TileWork {
@@ -35,7 +43,8 @@ std::uint32_t samples_a_replicate(const RenderSettings& settings) {
     return std::max(1u, (settings.spp + kReplicates - 1) / kReplicates);
 }
 
-void render_pixel(const PathTracer& tracer, const RenderSettings& settings, int x, int y,
+// False, with the pixel left undeveloped, when told to stop.
+bool render_pixel(const PathTracer& tracer, const RenderSettings& settings, int x, int y,
                   TileWork& work, Film& film) {
     const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
                               static_cast<std::size_t>(x);
@@ -45,6 +54,7 @@ void render_pixel(const PathTracer& tracer, const RenderSettings& settings, int 
         const Sampler sampler(settings.seed, index, r);
         work.pixel.start_replicate();
         for (std::uint32_t s = 0; s < samples; ++s) {
+            if (s % 1024 == 0 && stop_wanted(settings)) return false;
             tracer.trace(x, y, sampler, s, work.path);
             tracer.shade(work.path, work.S.data());
             if (!work.pixel.add(work.S.data(), tracer.stride()))
@@ -59,6 +69,7 @@ void render_pixel(const PathTracer& tracer, const RenderSettings& settings, int 
         work.paths += samples;
     }
     work.pixel.develop(film, index);
+    return true;
 }
 
 // Gathers what tiles report; refusals are sorted so that they do not depend on the threads.
@@ -104,21 +115,21 @@ RenderResult render(const PreparedScene& scene, const Camera& camera,
         TileWork work(tracer, scene.wavelengths_nm().size());
         for (int y = tile.rows().begin(); y < tile.rows().end(); ++y)
             for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
-                if (settings.stop && settings.stop->load(std::memory_order_relaxed)) return;
-                render_pixel(tracer, settings, x, y, work, result.film);
+                if (!render_pixel(tracer, settings, x, y, work, result.film)) return;
             }
         ledger.tile_done(work, tile.rows().size() * tile.cols().size());
     };
     const int threads = settings.threads > 0 ? settings.threads : tbb::info::default_concurrency();
+    const int side = tile_side(settings, threads);
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));
     tbb::task_arena arena(threads);
     arena.execute([&] {
         tbb::parallel_for(
-            tbb::blocked_range2d<int>(0, settings.height, kTile, 0, settings.width, kTile),
+            tbb::blocked_range2d<int>(0, settings.height, side, 0, settings.width, side),
             render_tile, tbb::simple_partitioner());
     });
-    result.stopped = settings.stop && settings.stop->load();
+    result.stopped = stop_wanted(settings);
     return result;
 }
 

@@ -1,7 +1,7 @@
 // rayleigh_sky.cpp — a clear sky of air that scatters sunlight once.
 //
-//   I(w) = E0 · ¾(1 + cos²Θ)/(4π) · μ0/(μ0 − μ) · (e^{−τ/μ0} − e^{−τ/μ})      μ = cos z, μ0 = cos
-//   z_sun DoLP = p_max sin²Θ/(1 + cos²Θ), E-vector perpendicular to the plane of sun and view
+//   I(w) = E0 · ¾(1 + cos²Θ)/(4π) · μ0/(μ0 − μ) · (e^{−τ/μ0} − e^{−τ/μ}),  μ = cos z, μ0 = cos z_sun
+//   DoLP = p_max sin²Θ/(1 + cos²Θ), E-vector perpendicular to the plane of sun and view
 //
 // Range   μ → μ0 is a removable singularity: τ e^{−τ/μ}/μ; at the horizon μ → 0: e^{−τ/μ0}.
 // Source  Chandrasekhar, Radiative Transfer (1960), §9 and §17; Bodhaine et al., J. Atmos. Oceanic

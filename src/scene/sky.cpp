@@ -3,8 +3,8 @@
 #include "malus/scene/sky.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "malus/core/contract.h"
 #include "malus/core/error.h"
 #include "malus/core/frame.h"
 #include "malus/optics/wavelengths.h"
@@ -42,8 +42,9 @@ double make_cdf(double* weights, std::size_t cells) {
 
 BeamFrame meridian_frame(const Vec3& w) {
     const double h = std::sqrt(w.x * w.x + w.z * w.z);
-    if (h == 0) return {-w, w.y > 0 ? -kNorth : kNorth};
-    return {-w, Vec3{-w.x * w.y / h, h, -w.z * w.y / h}};
+    const Vec3 x = h == 0 ? (w.y > 0 ? -kNorth : kNorth) : Vec3{-w.x * w.y / h, h, -w.z * w.y / h};
+    ENSURE(std::abs(length(x) - 1) < 1e-6 && std::abs(dot(x, w)) < 1e-6);
+    return {-w, x};
 }
 
 // cos a · x_meridian − sin a · y_meridian, written without angles: the frame of the zenith carried
@@ -87,46 +88,81 @@ SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
     }
     // The zenith and the horizon become nodes, so that no direction lies outside the grid, and the
     // first azimuth stands once more behind the last.
-    std::vector<double> zeniths = sky.zeniths, azimuths = sky.azimuths;
+    std::vector<double> zeniths = sky.zeniths, azimuths;
     if (zeniths.front() > 0) zeniths.insert(zeniths.begin(), 0.0);
     if (zeniths.back() < kPi / 2) zeniths.push_back(kPi / 2);
-    azimuths.push_back(azimuths.front() + 2 * kPi);
+    const std::vector<Column> columns = columns_of(sky);
+    for (const Column& column : columns) azimuths.push_back(column.azimuth);
     zenith_ = Axis(std::move(zeniths));
     azimuth_ = Axis(std::move(azimuths));
-    fill_nodes(sky, which);
+    fill_nodes(sky, columns, which);
     build_distribution();
 }
 
-void SkyDome::fill_nodes(const Sky& sky, std::span<const std::size_t> which) {
-    const std::size_t rows = zenith_.cells() + 1, columns = azimuth_.cells() + 1;
-    const bool pole_added = sky.zeniths.front() > 0;
-    data_.assign(rows * columns * 4 * wavelength_count_ + kPadding, 0.0f);
-    const auto store = [&](std::size_t row, std::size_t column, std::size_t w,
-                           const Stokes<double>& S) {
-        float* at = &data_[(row * columns + column) * 4 * wavelength_count_ + w];
-        at[0] = static_cast<float>(S.s0);
-        at[wavelength_count_] = static_cast<float>(S.s1);
-        at[2 * wavelength_count_] = static_cast<float>(S.s2);
-        at[3 * wavelength_count_] = static_cast<float>(S.s3);
+// The map's columns, with others between where they are more than 1.5° apart.
+std::vector<SkyDome::Column> SkyDome::columns_of(const Sky& sky) {
+    constexpr double kWidest = to_radians(1.5);
+    const std::size_t count = sky.azimuths.size();
+    std::vector<Column> columns;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t next = (i + 1) % count;
+        const double gap = sky.azimuths[next] - sky.azimuths[i] + (next == 0 ? 2 * kPi : 0);
+        const double steps = std::max(1.0, std::ceil(gap / kWidest - 1e-9));
+        for (double step = 0; step < steps; ++step) {
+            const double t = step / steps;
+            columns.push_back({sky.azimuths[i] + t * gap, i, next, t, t * gap, (t - 1) * gap});
+        }
+    }
+    columns.push_back({sky.azimuths[0] + 2 * kPi, 0, 0, 0, 0, 0});
+    return columns;
+}
+
+// In the meridian frame of the column. A direction carried along a circle of zenith angle z by Δa
+// turns against the meridians by Δa cos z: wholly at the zenith, where they spin, not at all at the
+// horizon. A map of one azimuth means a sky that is the same all around.
+Stokes<double> SkyDome::interpolated(const Sky& sky, std::size_t w, std::size_t row,
+                                     const Column& column) {
+    const Stokes<double>& left = sky.at(w, row, column.left);
+    if (column.t == 0 || sky.azimuths.size() == 1) return left;
+    const double cos_z = std::cos(sky.zeniths[row]);
+    const auto carried = [&](const Stokes<double>& S, double away) {
+        return turned(S, {std::cos(2 * away * cos_z), std::sin(2 * away * cos_z)});
     };
+    return (1 - column.t) * carried(left, column.from_left) +
+           column.t * carried(sky.at(w, row, column.right), column.from_right);
+}
+
+void SkyDome::store(std::size_t row, std::size_t column, std::size_t w, const Stokes<double>& S) {
+    float* at = &data_[(row * (azimuth_.cells() + 1) + column) * 4 * wavelength_count_ + w];
+    at[0] = static_cast<float>(S.s0);
+    at[wavelength_count_] = static_cast<float>(S.s1);
+    at[2 * wavelength_count_] = static_cast<float>(S.s2);
+    at[3 * wavelength_count_] = static_cast<float>(S.s3);
+}
+
+void SkyDome::fill_nodes(const Sky& sky, const std::vector<Column>& columns,
+                         std::span<const std::size_t> which) {
+    const std::size_t rows = zenith_.cells() + 1;
+    const bool pole_added = sky.zeniths.front() > 0;
+    data_.assign(rows * columns.size() * 4 * wavelength_count_ + kPadding, 0.0f);
     for (std::size_t w = 0; w < which.size(); ++w) {
-        // In the fixed frame all azimuths of the zenith are one direction: their mean.
         Stokes<double> pole;
-        const double share = 1 / static_cast<double>(sky.azimuths.size());
         for (std::size_t row = 0; row < rows; ++row) {
             const std::size_t file_row =
                 std::min(row - (pole_added && row > 0 ? 1 : 0), sky.zeniths.size() - 1);
-            for (std::size_t column = 0; column < columns; ++column) {
-                const std::size_t file_column = column % sky.azimuths.size();
+            for (std::size_t c = 0; c < columns.size(); ++c) {
                 // Axis turned by α = −a from the meridian.
-                const double a = sky.azimuths[file_column];
+                const double a = columns[c].azimuth;
                 const Turn turn{std::cos(2 * a), -std::sin(2 * a)};
-                const Stokes<double> S = turned(sky.at(which[w], file_row, file_column), turn);
-                if (row == 0 && column < sky.azimuths.size()) pole = pole + share * S;
-                store(row, column, w, S);
+                const Stokes<double> S =
+                    turned(interpolated(sky, which[w], file_row, columns[c]), turn);
+                store(row, c, w, S);
+                if (row > 0 || c + 1 == columns.size()) continue;
+                // In the fixed frame all azimuths of the zenith are one direction: their mean.
+                pole = pole + ((columns[c + 1].azimuth - a) / (2 * kPi)) * S;
             }
         }
-        for (std::size_t column = 0; column < columns; ++column) store(0, column, w, pole);
+        for (std::size_t c = 0; c < columns.size(); ++c) store(0, c, w, pole);
     }
 }
 

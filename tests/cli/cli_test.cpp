@@ -9,8 +9,10 @@
 #include <regex>
 #include <thread>
 
+#include "malus/core/frame.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
+#include "malus/io/spectral_image.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 
@@ -45,6 +47,25 @@ Outcome run(const std::string& arguments) {
 std::string shipped(const std::string& file) {
     return quoted(MALUS_SOURCE_DIR "/" + file);
 }
+
+// The pixels of an image that show nothing but a surface.
+class Exr {
+  public:
+    explicit Exr(const std::string& path) : image_(read_exr(path)) {}
+    double mean(const std::string& quantity) const {
+        const std::vector<float>& data = spectral_data(image_, quantity, 440);
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < data.size(); ++i) {
+            if (image_.channels.at("A")[i] < 1) continue;
+            sum += static_cast<double>(data[i]);
+            count += 1;
+        }
+        return sum / count;
+    }
+
+  private:
+    Image image_;
+};
 
 // A small render of the shipped panel.
 std::string small_render(const std::string& out, const std::string& more = "",
@@ -95,6 +116,8 @@ TEST_CASE("Usage: wrong options exit with 2", "[cli]") {
     CHECK(run("render --spp many").exit_code == 2);
     CHECK(run("render --width 0").exit_code == 2);
     CHECK(run("render --camera a --view-zenith 3").exit_code == 2);
+    CHECK(run("render --view-zenith nan").exit_code == 2);
+    CHECK(run("render --seed -1").exit_code == 2);
     CHECK(run("preview").exit_code == 2);
 }
 
@@ -148,6 +171,59 @@ TEST_CASE("Render: an image with every channel and attribute of the format", "[c
         CHECK_THAT(stats, Contains("\"" + std::string(key) + "\""));
 }
 
+TEST_CASE("Render: the program's pixels are those of the reference", "[cli]") {
+    // panel.gltf under a CSV map of an analytic sky, seen from an odd azimuth.
+    const TempFolder folder;
+    const auto sky =
+        reference::rayleigh_sky(direction(to_radians(50), to_radians(200)), 1.0, 0.8, 0.15);
+    std::ofstream csv(folder / "sky.csv");
+    csv.precision(10);
+    csv << "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n";
+    for (int z = 1; z < 180; z += 2)
+        for (int a = 0; a < 360; ++a) {
+            const auto S = sky(direction(to_radians(z / 2.0), to_radians(a)));
+            csv << "440," << z / 2.0 << ',' << a << ',' << S[0] << ',' << S[1] << ',' << S[2] << ','
+                << S[3] << '\n';
+        }
+    csv.close();
+    const std::string image = (folder / "image.exr").string();
+    REQUIRE(run("render " + shipped("scenes/panel.gltf") + " --sky " +
+                quoted((folder / "sky.csv").string()) + " --materials " +
+                shipped("materials/paints.json") + " --assign panel=black_paint -o " +
+                quoted(image) +
+                " --view-zenith 50 --view-azimuth 67 --width 40 --height 40 --spp 512")
+                .exit_code == 0);
+    const Exr exr(image);
+    const Camera camera = look_at({0, 0, 0}, 50, 67, 1);
+    const reference::Integral expected = reference::panel(
+        reference_paint(black_paint(), 440), {0, 1, 0}, -camera.forward, camera.right, sky, 1e-6);
+    for (std::size_t c = 0; c < 4; ++c) {
+        CAPTURE(c, expected.value[c]);
+        CHECK(exr.mean("S" + std::to_string(c)) ==
+              Approx(expected.value[c]).margin(0.002 * expected.value[0]));
+    }
+}
+
+TEST_CASE("Render: outputs do not replace inputs, devices or each other", "[cli]") {
+    const TempFolder folder;
+    const std::string image = (folder / "image.exr").string();
+    fs::copy_file(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr", folder / "sky.exr");
+    const std::string sky = (folder / "sky.exr").string();
+    const Outcome same =
+        run("render " + shipped("scenes/panel.gltf") + " --sky " + quoted(sky) + " --materials " +
+            shipped("materials/paints.json") + " -o " + quoted(sky));
+    CHECK(same.exit_code == 1);
+    CHECK_THAT(same.err, Contains("would replace"));
+    CHECK(read_text(sky) == read_text(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr"));
+    CHECK(run(small_render(image, "--stats " + quoted(image))).exit_code == 1);
+    CHECK(run(small_render("/dev/full")).exit_code == 1);
+    fs::create_symlink(folder / "real.exr", folder / "link.exr");
+    write_text(folder / "real.exr", "old");
+    CHECK(run(small_render((folder / "link.exr").string())).exit_code == 0);
+    CHECK(fs::is_symlink(folder / "link.exr"));
+    CHECK(read_exr(folder / "real.exr").width == 8);
+}
+
 TEST_CASE("Render: the same pixels at one and at two threads", "[cli]") {
     const TempFolder folder;
     const std::string one = (folder / "one.exr").string(), two = (folder / "two.exr").string();
@@ -169,6 +245,14 @@ TEST_CASE("Render: a quiet run says nothing, options may come from a file", "[cl
         REQUIRE(run(small_render(image, config)).exit_code == 0);
         CHECK(*read_exr(image).text("seed") == "9");
     }
+    REQUIRE(
+        run("--config " + quoted((folder / "options.toml").string()) + " " + small_render(image))
+            .exit_code == 0);
+    write_text(folder / "sky.toml", "width = 12\n");
+    REQUIRE(run("sky make -o " + quoted((folder / "sky.exr").string()) + " --config " +
+                quoted((folder / "sky.toml").string()))
+                .exit_code == 0);
+    CHECK(read_exr(folder / "sky.exr").width == 12);
     write_text(folder / "options.toml", "sppp = 9\n");
     const std::string config = "--config " + quoted((folder / "options.toml").string());
     CHECK(run(small_render(image, config)).exit_code == 2);
@@ -267,6 +351,13 @@ TEST_CASE("Ctrl-C: the render ends in one line and leaves no file", "[cli]") {
     CHECK(WEXITSTATUS(status) == 124);
     CHECK_THAT(read_text(err), Contains("not written") && Contains("stopped"));
     CHECK(std::distance(fs::directory_iterator(fs::path(image).parent_path()), {}) == 1);
+    // One pixel of very many samples ends as soon.
+    const std::string pixel = small_render(image, "", "--width 1 --height 1 --spp 1000000000");
+    const int one = std::system(
+        ("timeout -k 5 -s INT 1 " + quoted(MALUS_PROGRAM) + " " + pixel + " 2>" + quoted(err))
+            .c_str());
+    CHECK(WEXITSTATUS(one) == 124);
+    CHECK_THAT(read_text(err), Contains("stopped"));
 }
 
 TEST_CASE("Sky and info: a sky is made and described", "[cli]") {

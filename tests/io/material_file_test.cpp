@@ -77,7 +77,11 @@ TEST_CASE("Paints: each mistake is one line that names file, material, row and k
     CHECK_THROWS_WITH(read(bad_row("1.4", "\"1.4\"")), Contains("'n' must be a number"));
     CHECK_THROWS_WITH(read(bad_row("1.4", "0")), Contains("'n' is 0; it must be > 0"));
     CHECK_THROWS_WITH(read(bad_row("0.1,", "-0.1,")), Contains("'k' is -0.1"));
-    CHECK_THROWS_WITH(read(bad_row("0.3", "0")), Contains("'sigma' is 0"));
+    CHECK_THROWS_WITH(read(bad_row("0.3", "1e-25")), Contains("'sigma' is 1e-25"));
+    CHECK_THROWS_WITH(read(bad_row("0.1,", "1e10,")), Contains("'k' is 1e+10"));
+    CHECK_THROWS_WITH(read(bad_row("1.4, \"k\": 0.1", "0.01, \"k\": 0.01")), Contains("|n + ik|"));
+    CHECK_THROWS_WITH(read(bad_row("0.3", "0")),
+                      Contains("'sigma' is 0; it must be within 1e-06 to 100"));
     CHECK_THROWS_WITH(read(bad_row("1.4", "1e999")), Contains("paints.json"));
     CHECK_THROWS_WITH(read(file_of(kRow + "," + kRow)), Contains("two rows") && Contains("550"));
     CHECK_THROWS_WITH(read(file_of("")), Contains("'rows'"));

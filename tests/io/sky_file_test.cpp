@@ -63,6 +63,7 @@ TEST_CASE("Sky CSV: each mistake is one line with the row") {
                       Contains("sky.csv: line 3") && Contains("negative"));
     CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,1,0.8,0.8,0\n"),
                       Contains("line 3") && Contains("exceeds S0"));
+    CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,1e39,0,0,0\n"), Contains("brighter"));
     CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,nan,0,0,0\n"),
                       Contains("line 3") && Contains("not finite"));
     CHECK_THROWS_WITH(read_csv(kHeader + good + "550,10,90,1,0,0\n"), Contains("6 columns"));
@@ -110,6 +111,14 @@ TEST_CASE("Sky EXR: channel names of other writers and their errors") {
     image.channel("S1.550,5nm")[5] = 2;
     write_exr(folder / "over.exr", image);
     CHECK_THROWS_WITH(read_sky(folder / "over.exr"), Contains("pixel (1,1)"));
+    image.channel("S1.550,5nm")[5] = 0;
+    image.channel("S3.550,5nm")[5] = 0.5;
+    image.attributes["polarisationHandedness"] = "left";
+    write_exr(folder / "left.exr", image);
+    CHECK(read_sky(folder / "left.exr").nodes[5].s3 == Approx(-0.5));
+    image.attributes["polarisationHandedness"] = "both";
+    write_exr(folder / "both.exr", image);
+    CHECK_THROWS_WITH(read_sky(folder / "both.exr"), Contains("'right' or 'left'"));
     Image grey;
     grey.width = grey.height = 1;
     grey.channel("Y");

@@ -43,20 +43,23 @@ TEST_CASE("Film to image: every channel of the format, with the film's numbers")
     film.instance = {1, -1};
     film.samples = {64, 64};
     film.stokes[0].mean = {2, -0.6, 0.8, 0.1};
-    film.stokes[0].covariance = {0.04f, 0, 0, 0.01f, 0, 0.01f, 0.09f};
+    film.stokes[0].covariance = {0.04f, 0, 0, 0.01f, 0, 0.0225f, 0.09f};
     const Image image = to_image(film, {{"matte", "green"}, {"root", "hull"}, {0, 1}, {0, 1}});
     const auto at = [&](const std::string& name) { return image.channels.at(name)[0]; };
     CHECK(at("S0.440,000000nm") == 2.0f);
+    CHECK(at("S1.440,000000nm") == Approx(-0.6));
+    CHECK(at("S2.440,000000nm") == Approx(0.8));
     CHECK(at("S3.440,000000nm") == Approx(0.1));
     CHECK(at("DoLP.440,000000nm") == Approx(0.5));
     // ½ atan2(0.8, −0.6) = ½ · 126.87°.
     CHECK(at("AoLP.440,000000nm") == Approx(63.4349));
     CHECK(at("StdErr_S0.440,000000nm") == Approx(0.2));
     CHECK(at("StdErr_S1.440,000000nm") == Approx(0.1));
+    CHECK(at("StdErr_S2.440,000000nm") == Approx(0.15));
     CHECK(at("StdErr_S3.440,000000nm") == Approx(0.3));
-    // var p = [0.01 + 0.25·0.04]/4, var ψ = 0.01/4 rad².
-    CHECK(at("StdErr_DoLP.440,000000nm") == Approx(std::sqrt(0.02) / 2));
-    CHECK(at("StdErr_AoLP.440,000000nm") == Approx(to_degrees(0.05)));
+    // var p = [0.36·0.01 + 0.64·0.0225 + 0.25·0.04]/4, var ψ = [0.36·0.0225 + 0.64·0.01]/4 rad².
+    CHECK(at("StdErr_DoLP.440,000000nm") == Approx(std::sqrt(0.028) / 2));
+    CHECK(at("StdErr_AoLP.440,000000nm") == Approx(to_degrees(std::sqrt(0.0145) / 2)));
     CHECK(at("A") == 1);
     CHECK(at("Z") == 12);
     CHECK(at("material.id") == 2);

@@ -120,7 +120,7 @@ TEST_CASE("Torrance-Sparrow: perfect facets reflect no more than they receive") 
                     const Vec3 wo{r * std::cos(phi), r * std::sin(phi), z};
                     sum += eval(p, Slopes::kGaussian, Attenuation::kTorranceSparrow,
                                 reflection(kNormal, wi, wo))
-                               .facet.a *
+                               .facet.a() *
                            z;
                 }
             CHECK(sum * 2 * kPi / (rings * sectors) < 1.001);
@@ -158,7 +158,7 @@ TEST_CASE("Physicality: light stays light, |S| ≤ S0, for random directions and
                 const Reflection r = reflection(kNormal, upper_direction(u), upper_direction(u));
                 const auto f = eval(row.p, paint->slopes, paint->attenuation, r);
                 // Where the exponential has left double's range there are no digits to check.
-                if (f.facet.a < 1e-250 && f.volume == 0) continue;
+                if (f.facet.a() < 1e-250 && f.volume == 0) continue;
                 for (const Stokes<double>& in :
                      {Stokes<double>{1, 0, 0, 0}, Stokes<double>{1, 1, 0, 0},
                       Stokes<double>{1, -1, 0, 0}, Stokes<double>{1, 0, 1, 0},

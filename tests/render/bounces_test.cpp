@@ -80,6 +80,29 @@ TEST_CASE("Corner: depth 2 minus depth 1 is the second bounce integrated indepen
     compare_corner(lambertian(0.6), {0.3, 0, 0.1}, 20);
 }
 
+TEST_CASE("Corner: a wavelength alone is what it is among others, where volume light is clamped",
+          "[render]") {
+    // Green paint at 600 nm has ρv < 0: at grazing views its volume light lives near the normal
+    // only. Ground of it beside a matte wall.
+    const std::vector<double> two{440, 600};
+    const Sky sky = sample_sky(smooth_sky(), two, 90, 360);
+    Material wall = lambertian(0.9);
+    RenderSettings settings;
+    settings.width = settings.height = 8;
+    settings.spp = 2048;
+    const Camera camera = look_at({0.2, 0, 0.3}, 78, 90, 1e-4);
+    const auto bounce = [&](const std::vector<double>& wavelengths) {
+        const PreparedScene prepared(corner_scene(), {0, 1}, {green_paint(), wall}, sky,
+                                     wavelengths);
+        return picture_mean(render(prepared, camera, settings).film, wavelengths.size() - 1);
+    };
+    const PictureMean alone = bounce({600}), among = bounce(two);
+    // False alarms 1e-4.
+    CHECK(std::abs(alone.mean.s0 - among.mean.s0) < 4 * std::hypot(alone.error.s0, among.error.s0));
+    settings.max_depth = 1;
+    CHECK(alone.mean.s0 > 1.02 * bounce({600}).mean.s0);
+}
+
 TEST_CASE("Sphere with a hole: every depth is the geometric series", "[render]") {
     // Area fraction f is open; a uniform sky L shines in: a f L Σ_{k<d} (a(1−f))^k everywhere
     // inside, since every point of a sphere sees every other under the same form factor.

@@ -26,12 +26,12 @@ TEST_CASE("Lanes: every wavelength of a register is the double's number to 1e-5"
                 const auto p = parameters_at(*paint, wavelengths[w]);
                 const auto f = eval(p, paint->slopes, paint->attenuation, r);
                 const auto lane = [w](const Lanes& x) { return static_cast<double>(x.get(w)); };
-                const double scale = f.facet.a;
+                const double scale = f.facet.a();
                 // The exponential's argument is exact to 2⁻²⁴ of itself; beyond e^{−40} of the
                 // peak that matters to nobody.
                 if (r.tan2_theta / (2 * p.sigma * p.sigma) > 40) continue;
-                CHECK(std::abs(lane(lanes.facet.a) - f.facet.a) <= 1e-5 * scale);
-                CHECK(std::abs(lane(lanes.facet.b) - f.facet.b) <= 1e-5 * scale);
+                CHECK(std::abs(lane(lanes.facet.a()) - f.facet.a()) <= 1e-5 * scale);
+                CHECK(std::abs(lane(lanes.facet.b()) - f.facet.b()) <= 1e-5 * scale);
                 CHECK(std::abs(lane(lanes.facet.re) - f.facet.re) <= 1e-5 * scale);
                 CHECK(std::abs(lane(lanes.facet.im) - f.facet.im) <= 1e-5 * scale);
                 CHECK(lane(lanes.volume) == Approx(f.volume).epsilon(1e-5).margin(1e-9));

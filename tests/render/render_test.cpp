@@ -215,6 +215,124 @@ TEST_CASE("Instances: a mesh placed many times looks like as many meshes", "[ren
     }
 }
 
+TEST_CASE("Instances: a mesh far from its own origin does not shadow itself", "[render]") {
+    // Vertices at 1e5 m, placed back at the origin: once alone (triangles in the world) and twice
+    // (an instance), which must be lit alike.
+    Scene scene;
+    add_rectangle(scene, "tile", {1e5 - 0.5, 0, 0.5}, {1, 0.25, 0}, {0, 0.25, -1});
+    scene.instances[0].to_world.t = {-1e5, 0, 0};
+    const Sky sky = sample_sky(reference::uniform_sky(1), kTwo, 8, 8);
+    RenderSettings settings;
+    settings.width = settings.height = 8, settings.spp = 64;
+    const Camera camera = look_at({0, 0.25, 0}, 20, 0, 0.2);
+    const Film alone =
+        render(PreparedScene(scene, {0}, {lambertian(0.5)}, sky, kTwo), camera, settings).film;
+    scene.instances.push_back(scene.instances[0]);
+    scene.instances[1].to_world.t = {-1e5, -50, 0};
+    const Film twice =
+        render(PreparedScene(scene, {0, 0}, {lambertian(0.5)}, sky, kTwo), camera, settings).film;
+    const double a = picture_mean(alone, 0).mean.s0, b = picture_mean(twice, 0).mean.s0;
+    CHECK(b == Approx(a).epsilon(0.005));
+    CHECK(a > 0.4);
+}
+
+TEST_CASE("Instances: placements that flatten a mesh are legal") {
+    Scene scene;
+    add_rectangle(scene, "tile", {-0.5, 0, 0.5}, {1, 0.2, 0}, {0, 0, -1});
+    for (const Vec3& scale : {Vec3{1, 0, 1}, Vec3{0, 0, 0}, Vec3{1, 1e-30, 1}, Vec3{1e-20, 1, 1}})
+        scene.instances.push_back(
+            {0, 0, {{scale.x, 0, 0}, {0, scale.y, 0}, {0, 0, scale.z}, {2, 0, 0}}});
+    RenderSettings settings;
+    settings.width = settings.height = 32, settings.spp = 8;
+    const PreparedScene prepared(scene, std::vector<int>(5, 0), {green_paint()}, smooth_map(),
+                                 kTwo);
+    const RenderResult result = render(prepared, look_at({1, 0, 0}, 10, 0, 2), settings);
+    CHECK(result.refused == 0);
+    for (const PixelStokes& pixel : result.film.stokes) CHECK(std::isfinite(pixel.mean.s0));
+}
+
+TEST_CASE("Distant camera: a satellite sees what a camera nearby sees") {
+    Scene scene;
+    add_rectangle(scene, "tile", {-0.5, 0, 0.5}, {1, 0, 0}, {0, 0, -1});
+    const PreparedScene prepared(scene, {0}, {lambertian(0.5)},
+                                 sample_sky(reference::uniform_sky(1), kTwo, 8, 8), kTwo);
+    RenderSettings settings;
+    settings.width = settings.height = 16, settings.spp = 64;
+    for (double away : {0.0, 7e5, 1e7}) {
+        Camera camera = look_at({0, 0, 0}, 20, 0, 1.0);
+        camera.position = camera.position - away * camera.forward;
+        const Film film = render(prepared, camera, settings).film;
+        double coverage = 0;
+        for (float a : film.coverage) coverage += static_cast<double>(a) / 256;
+        // The tile fills ½ × ½ cos 20° of the picture.
+        CHECK(coverage == Approx(0.25 * std::cos(to_radians(20))).epsilon(0.01));
+        // That pixel's centre looks 1/16 m below the tile's.
+        const double nearer = std::tan(to_radians(20)) / 16;
+        CHECK(film.distance[8 * 16 + 8] == Approx(10 + away - nearer).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("Smooth normals: interpolated from the corners, transformed as normals are") {
+    // One triangle (0,0,0), (1,0,0), (0,0,−1) with three normals, placed with scales (2, 1, 1).
+    Scene scene;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}};
+    const auto unit = [](double x, double y, double z) { return Vec3f(normalize(Vec3{x, y, z})); };
+    mesh.normals = {unit(0, 1, 0), unit(0.6, 0.8, 0), unit(0, 0.8, -0.6)};
+    mesh.triangles = {{0, 1, 2}};
+    scene.meshes = {mesh};
+    scene.nodes = {{"n", -1}};
+    scene.instances = {{0, 0, {{2, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}}};
+    const Accel accel(scene);
+    // At u = 0.5 along the first edge, v = 0.25 along the second: world (1, 0, −0.25).
+    const auto hit = accel.intersect(Vec3{1, 3, -0.25} - accel.center(), {0, -1, 0});
+    REQUIRE(hit);
+    // ¼(0,1,0) + ½(0.6,0.8,0) + ¼(0,0.8,−0.6) = (0.3, 0.85, −0.15); the inverse transpose of
+    // (2,1,1) halves x.
+    const Vec3 expected = normalize(Vec3{0.15, 0.85, -0.15});
+    CHECK(length(hit->n - expected) < 1e-6);
+    CHECK(length(hit->ng - Vec3{0, 1, 0}) < 1e-12);
+    CHECK(length(hit->position + accel.center() - Vec3{1, 0, -0.25}) < 1e-6);
+}
+
+TEST_CASE("Leaning normals: no light from behind the surface leaks through it", "[render]") {
+    // A wall that faces south with normals that lean 60° toward north and up: the shading
+    // hemisphere reaches behind it. Only the northern sky, behind the wall, is bright.
+    Scene scene;
+    add_rectangle(scene, "wall", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    scene.meshes[0].normals.assign(4, Vec3f(normalize(Vec3{0, std::sin(1.0), std::cos(1.0)})));
+    const Sky sky = sample_sky(
+        [](Vec3 w) {
+            return reference::Stokes{w.z < -0.1 ? 1.0 : 0.0, 0, 0, 0};
+        },
+        kTwo, 30, 60);
+    const Camera camera = look_at({0, 0, 0}, 70, 180, 0.2);
+    RenderSettings settings;
+    settings.width = settings.height = 4, settings.spp = 256;
+    for (Lighting lighting : {Lighting::kSkySamples, Lighting::kSurfaceSamples}) {
+        settings.lighting = lighting;
+        const PreparedScene prepared(scene, {0}, {lambertian(0.5)}, sky, kTwo);
+        CHECK(picture_mean(render(prepared, camera, settings).film, 0).mean.s0 == 0);
+    }
+}
+
+TEST_CASE("Brewster: light without a reflected part is black, not refused") {
+    // A smooth surface at Brewster's angle under a sky wholly polarized in the plane of incidence.
+    Scene scene;
+    add_rectangle(scene, "glass", {-1, 0, 1}, {2, 0, 0}, {0, 0, -2});
+    const Sky sky = sample_sky([](Vec3) { return reference::Stokes{1, 1, 0, 0}; }, {550}, 90, 360);
+    const Material glass = single_row("glass", {1.5, 0, 1, 1e-5, 1, 0, 0, 0});
+    const PreparedScene prepared(scene, {0}, {glass}, sky, {550});
+    RenderSettings settings;
+    settings.width = settings.height = 8, settings.spp = 256;
+    const Camera camera = look_at({0, 0, 0}, to_degrees(std::atan(1.5)), 30, 1e-3);
+    const RenderResult result = render(prepared, camera, settings);
+    CHECK(result.refused == 0);
+    // Bilinear in cells of 1°, the map is depolarized by up to (1°)²/2 = 1.5e-4 in a frame that does
+    // not spin, of which |rs|²/2 = 0.074 comes back.
+    CHECK(picture_mean(result.film, 0).mean.s0 < 1.2e-5);
+}
+
 TEST_CASE("Stopping: a render told to stop says so and does not finish") {
     const PreparedScene scene = shipped_target("target_a.glb");
     RenderSettings settings;

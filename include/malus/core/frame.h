@@ -1,7 +1,6 @@
 // frame.h — directions in the world by zenith and azimuth, and orthonormal bases around a normal.
 //
-//   w = (sin z · sin a, cos z, −sin z · cos a)     z = 0 is +Y; a = 0 is north (−Z), east (+X) =
-//   90°
+//   w = (sin z · sin a, cos z, −sin z · cos a),  z = 0: +Y;  a = 0: north (−Z), 90°: east (+X)
 //
 // Units   radians.
 // SPDX-License-Identifier: Apache-2.0

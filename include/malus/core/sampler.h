@@ -4,11 +4,9 @@
 // A number depends on (seed, pixel, replicate, sample, block, dimension) alone: any machine and any
 // thread can compute it, and a render can continue where another stopped.
 //
-// Blocks  a path needs a few numbers a vertex. Each block holds 8 dimensions of one Sobol'
-// sequence;
-//         blocks beyond the first visit the sequence in an independently shuffled order
-//         ("padding"), which keeps each block well distributed and the blocks independent of each
-//         other.
+// Blocks  a path needs a few numbers a vertex. A block holds 8 dimensions of the Sobol' sequence;
+//         blocks beyond the first visit it in an independently shuffled order ("padding"), which
+//         keeps each block well distributed and the blocks independent of each other.
 // Range   each number in (0,1), a multiple of 2⁻³² plus 2⁻³³.
 // Source  Owen, Randomly permuted (t,m,s)-nets (1995); Joe & Kuo (2008) for the direction numbers;
 //         Laine & Karras (2011) and Burley, JCGT 9(4) (2020) for the hash-based scrambling.

@@ -1,6 +1,6 @@
 // vec.h — vectors in space and affine maps between coordinate systems.
 //
-// World  glTF's: right-handed, +Y up, metres. North = −Z, east = +X (directions.h).
+// World  glTF's: right-handed, +Y up, metres. North = −Z, east = +X (frame.h).
 // Double for placement and geometry, float for what is stored by the million.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace malus {
 
@@ -15,6 +16,10 @@ void write_whole(const std::filesystem::path& path,
 
 /// Throws Error unless a file could be written at `path`: to be called before long work.
 void check_writable(const std::filesystem::path& path);
+
+/// Throws Error if the output is the same file as one of the others (inputs or other outputs).
+void check_distinct(const std::filesystem::path& output,
+                    const std::vector<std::filesystem::path>& others);
 
 /// The whole of a text file. Throws Error when it is missing, not a regular file or over 1 GiB.
 std::string read_text(const std::filesystem::path& path);

@@ -5,7 +5,7 @@
 //   (S0+S1) → |rs|²(S0+S1)    (S0−S1) → |rp|²(S0−S1)    (S2+iS3) → rs rp* (S2+iS3)
 //
 // Frame   x = s = unit(k_in × k_out) on both beams; stokes.h defines a frame and all signs.
-// Range   |S| ≤ S0 is kept; β in [0, π/2), n > 0, k ≥ 0.
+// Range   |S| ≤ S0 is kept; β in [0, π/2), n > 0, k ≥ 0, |N| ≥ 0.05 (below, floats cancel).
 // Error   a few roundings of T: N² − sin²β is formed as (n−1)(n+1) − k² + cos²β + 2ink, which does
 //         not cancel near n = 1, and √ by the larger of its two parts.
 // Source  Born & Wolf, Principles of Optics, 7th ed., §1.5 and §14.2; sign of rp as Verdet.
@@ -16,19 +16,23 @@
 
 namespace malus {
 
-/// Mueller matrix of a facet in its own frame:
-/// [[a, b, 0, 0], [b, a, 0, 0], [0, 0, re, −im], [0, 0, im, re]].
+/// Mueller matrix of a facet in its own frame: [[a, b, 0, 0], [b, a, 0, 0], [0, 0, re, −im],
+/// [0, 0, im, re]] with a = ½(Rs + Rp), b = ½(Rs − Rp). Kept as Rs and Rp, so that light wholly
+/// polarized along p leaves a facet at Brewster's angle as 0 and not as a rounded difference.
 template <class T>
 struct FacetMueller {
-    T a, b;    ///< ½(|rs|² + |rp|²), ½(|rs|² − |rp|²)
+    T Rs, Rp;  ///< |rs|², |rp|²
     T re, im;  ///< of rs rp*
 
+    T a() const { return real<T>(0.5) * (Rs + Rp); }
+    T b() const { return real<T>(0.5) * (Rs - Rp); }
+
     friend FacetMueller operator*(const T& w, const FacetMueller& m) {
-        return {w * m.a, w * m.b, w * m.re, w * m.im};
+        return {w * m.Rs, w * m.Rp, w * m.re, w * m.im};
     }
     friend Stokes<T> operator*(const FacetMueller& m, const Stokes<T>& S) {
-        return {m.a * S.s0 + m.b * S.s1, m.b * S.s0 + m.a * S.s1,  //
-                m.re * S.s2 - m.im * S.s3, m.im * S.s2 + m.re * S.s3};
+        const T s = real<T>(0.5) * m.Rs * (S.s0 + S.s1), p = real<T>(0.5) * m.Rp * (S.s0 - S.s1);
+        return {s + p, s - p, m.re * S.s2 - m.im * S.s3, m.im * S.s2 + m.re * S.s3};
     }
 };
 
@@ -54,7 +58,7 @@ Complex<T> sqrt_upper(const T& re, const T& im) {
 /// Reflection by a facet of index n + ik under the angle of incidence β.
 template <class T>
 FacetMueller<T> fresnel(const T& n, const T& k, const T& cos_beta) {
-    const T one = real<T>(1), two = real<T>(2), half = real<T>(0.5);
+    const T one = real<T>(1), two = real<T>(2);
     const T cos2 = cos_beta * cos_beta;
     const Complex<T> g = sqrt_upper((n - one) * (n + one) - k * k + cos2, two * n * k);  // N cos t
 
@@ -74,8 +78,7 @@ FacetMueller<T> fresnel(const T& n, const T& k, const T& cos_beta) {
     const T rs_im = (s_im * sd_re - s_re * sd_im) * s_norm;
     const T rp_re = (p_re * pd_re + p_im * pd_im) * p_norm;
     const T rp_im = (p_im * pd_re - p_re * pd_im) * p_norm;
-    return {half * (Rs + Rp), half * (Rs - Rp),  //
-            rs_re * rp_re + rs_im * rp_im, rs_im * rp_re - rs_re * rp_im};
+    return {Rs, Rp, rs_re * rp_re + rs_im * rp_im, rs_im * rp_re - rs_re * rp_im};
 }
 
 }  // namespace malus

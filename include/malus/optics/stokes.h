@@ -1,8 +1,8 @@
 // stokes.h — Stokes vectors, the frames they are measured in, and turning one into another.
 //
-//   S0 = I,  S1 = I(x) − I(y),  S2 = I(+45°) − I(−45°) (+45° from x toward y),  S3 = I_right −
-//   I_left axis turned by α from x toward y:  S1' = S1 cos2α + S2 sin2α,   S2' = −S1 sin2α + S2
-//   cos2α
+//   S0 = I,  S1 = I(x) − I(y),  S2 = I(+45°) − I(−45°),  S3 = I_right − I_left
+//   (+45° from x toward y); with the axis turned by α from x toward y:
+//   S1' = S1 cos2α + S2 sin2α,  S2' = −S1 sin2α + S2 cos2α
 //
 // Frame   a beam that propagates along k has a reference axis x ⟂ k and y = k × x; the receiver,
 //         looking into the beam, sees x to the right when y is up. Fields go as exp(−iωt), so

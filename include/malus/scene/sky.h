@@ -3,7 +3,8 @@
 // Frame   maps are in the meridian frame: at sky direction w (light propagates along k = −w) the
 //         axis is x = normalize(up − (up·w) w), toward the zenith. That frame spins at the zenith,
 //         so SkyDome turns every node by its azimuth into a frame that does not (Ludwig's third
-//         definition, IEEE Trans. AP-21, 116 (1973)) before it interpolates.
+//         definition, IEEE Trans. AP-21, 116 (1973)) before it interpolates. Where a map's azimuths
+//         are far apart it first adds some between, carried along the circle of their zenith angle.
 // Units   W m⁻² sr⁻¹ nm⁻¹, nm; zenith and azimuth in radians, azimuth clockwise from north.
 // Below the horizon the sky is black.
 // SPDX-License-Identifier: Apache-2.0
@@ -28,7 +29,7 @@ struct Sun {
 /// A sky map as read or computed: a full grid of nodes in the meridian frame.
 struct Sky {
     std::vector<double> wavelengths_nm;     ///< ascending
-    std::vector<double> zeniths, azimuths;  ///< rad, ascending, in [0, π/2] and [0, 2π)
+    std::vector<double> zeniths, azimuths;  ///< rad, ascending, in [0, π/2] and [0, 2π]
     std::vector<Stokes<double>> nodes;      ///< [wavelength][zenith][azimuth]
     std::optional<Sun> sun;
     std::string source;
@@ -93,6 +94,17 @@ class SkyDome {
     static constexpr std::size_t kPadding = 64;
 
   private:
+    // A column of nodes: at an azimuth between two columns of the map, t of the way from one to the
+    // other, each turn rad away.
+    struct Column {
+        double azimuth;
+        std::size_t left, right;
+        double t, from_left, from_right;
+    };
+    static std::vector<Column> columns_of(const Sky& sky);
+    static Stokes<double> interpolated(const Sky& sky, std::size_t w, std::size_t row,
+                                       const Column& column);
+
     // Ascending coordinates with a guide table, so that a search takes constant time.
     class Axis {
       public:
@@ -112,7 +124,9 @@ class SkyDome {
         double scale_ = 0;
     };
 
-    void fill_nodes(const Sky& sky, std::span<const std::size_t> which);
+    void fill_nodes(const Sky& sky, const std::vector<Column>& columns,
+                    std::span<const std::size_t> which);
+    void store(std::size_t row, std::size_t column, std::size_t w, const Stokes<double>& S);
     void build_distribution();
     double wrapped(double azimuth) const;
     SkyLookup lookup(std::size_t r, std::size_t c, double v, double u) const;
