@@ -25,8 +25,8 @@ class Progress {
     Clock::time_point start_ = Clock::now(), last_;
 };
 
-/// Set by SIGINT and SIGTERM after catch_interrupts(); one more, over a second later, ends the
-/// process.
+/// Set by SIGINT and SIGTERM after catch_interrupts(); one more, some two seconds later, ends
+/// the process.
 const std::atomic<bool>& interrupted();
 void catch_interrupts();
 

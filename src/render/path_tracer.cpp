@@ -106,8 +106,9 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         const double cos_i = vertex.onward.geometry.cos_i;
 
         // On the last bounce only the sky beyond matters.
-        ray = {Accel::leave(*hit, wi), wi};
         const bool last = depth == settings_.max_depth;
+        if (last && wi.y < 0) return;
+        ray = {Accel::leave(*hit, wi), wi};
         path.count(ray, last ? RayKind::kAnyHit : RayKind::kFirstHit);
         const bool blocked = last && scene_.accel.occluded(ray.origin, wi);
         hit = last ? std::nullopt : scene_.accel.intersect(ray.origin, wi);
