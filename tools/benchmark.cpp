@@ -10,8 +10,6 @@
 #else
 #include <embree3/rtcore.h>
 #endif
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -178,9 +176,9 @@ void measure(const std::string& scene_file, const Sky* sky_of_file,
     }
     const double rays_per_s = static_cast<double>(result.rays) / best_seconds;
     const ErrorSummary error = summarize_error(result.film, 0);
-    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.0f | %.0f | %.1f %% | %.4f |\n", wavelengths,
+    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.0f | %.1f %% | %.4f |\n", wavelengths,
                 static_cast<double>(result.paths) / best_seconds / 1e6, rays_per_s / 1e6,
-                best_bare / 1e6, rays_per_s / best_bare, 1e3 * first_pixel, peak_memory_mib(),
+                best_bare / 1e6, rays_per_s / best_bare, 1e3 * first_pixel,
                 100 * error.rms_s0_relative, error.rms_dolp);
 }
 
@@ -200,8 +198,8 @@ int main(int argc, char** argv) {
                     kWidth, kHeight, kSpp, threads);
         std::printf(
             "| wavelengths | samples/s, million | rays/s, million | bare Embree rays/s, "
-            "million | ratio | start to first pixel, ms | peak memory, MiB | standard "
-            "error of S0 (rms) | of DoLP |\n|---|---|---|---|---|---|---|---|---|\n");
+            "million | ratio | start to first pixel, ms | standard "
+            "error of S0 (rms) | of DoLP |\n|---|---|---|---|---|---|---|---|\n");
         for (std::size_t wavelengths : {1u, 2u, 16u})
             measure(argv[1], &sky, materials, wavelengths, threads);
     } catch (const std::exception& error) {
