@@ -1,0 +1,271 @@
+// hard_cases_test.cpp — where formulas have removable singularities and floats run out: no NaN, no
+// infinity, no refused sample, and the right limit.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/core/frame.h"
+#include "support/catch.h"
+#include "support/fixtures.h"
+
+using namespace malus;
+
+namespace {
+
+const std::vector<double> kOne{550};
+
+reference::SkyFunction smooth_sky() {
+    return reference::rayleigh_sky(direction(to_radians(50), to_radians(200)), 1.0, 0.8, 0.15);
+}
+
+Scene panel_scene() {
+    Scene scene;
+    add_rectangle(scene, "panel", {-0.5, 0, 0.5}, {1, 0, 0}, {0, 0, -1});
+    return scene;
+}
+
+// Renders and checks that every number of the film is finite and nothing was refused.
+Film checked_render(const Scene& scene, const Material& paint, const Sky& sky, const Camera& camera,
+                    RenderSettings settings = {}) {
+    if (settings.width == 512) settings.width = settings.height = 8;
+    if (settings.spp == 64) settings.spp = 256;
+    const PreparedScene prepared(scene, std::vector<int>(scene.instances.size(), 0), {paint}, sky,
+                                 kOne);
+    const RenderResult result = render(prepared, camera, settings);
+    CHECK(result.refused == 0);
+    for (const PixelStokes& pixel : result.film.stokes) {
+        REQUIRE(std::isfinite(pixel.mean.s0 + pixel.mean.s1 + pixel.mean.s2 + pixel.mean.s3));
+        REQUIRE(pixel.mean.s0 >= 0);
+        REQUIRE(dop(pixel.mean) <= 1 + 1e-5);
+        REQUIRE(std::isfinite(stderr_dolp(pixel) + stderr_aolp(pixel)));
+    }
+    return result.film;
+}
+
+PictureMean panel_mean(const Material& paint, const Sky& sky, double view_zenith_deg) {
+    // A patch of 2 mm on the panel, however much the view foreshortens it.
+    const double half = 1e-3 * std::cos(to_radians(view_zenith_deg));
+    const Camera camera = look_at({0, 0, 0}, view_zenith_deg, 70, half);
+    return picture_mean(checked_render(panel_scene(), paint, sky, camera), 0);
+}
+
+double reference_s0(const Material& paint, double view_zenith_deg) {
+    const Camera camera = look_at({0, 0, 0}, view_zenith_deg, 70, 1);
+    return reference::panel(reference_paint(paint, 550), {0, 1, 0}, -camera.forward, camera.right,
+                            smooth_sky(), 1e-6)
+        .value[0];
+}
+
+const Sky& smooth_map() {
+    static const Sky sky = sample_sky(smooth_sky(), kOne, 90, 360);
+    return sky;
+}
+
+}  // namespace
+
+// Each comparison with the reference allows 4 standard errors of 64 pixels and 1 % of S0 for the
+// map's cells; |t| > 4 has probability 1e-4.
+TEST_CASE("Grazing view: 89°, 89.9° and 89.999° agree with quadrature", "[render]") {
+    for (double view : {89.0, 89.9, 89.999}) {
+        CAPTURE(view);
+        for (const Material* paint : {&green_paint(), &black_paint()}) {
+            const PictureMean found = panel_mean(*paint, smooth_map(), view);
+            const double expected = reference_s0(*paint, view);
+            CAPTURE(paint->name, found.mean.s0, found.error.s0, expected);
+            CHECK(std::abs(found.mean.s0 - expected) < 4 * found.error.s0 + 0.01 * expected);
+        }
+    }
+}
+
+TEST_CASE("Slopes from a mirror to a brush: σ from 1e-5 to 10", "[render]") {
+    for (double sigma : {1e-5, 1e-3, 0.05, 1.0, 10.0}) {
+        const Material paint = single_row("paint", {1.5, 0.2, 1, sigma, 1, 0, 0, 0});
+        const PictureMean found = panel_mean(paint, smooth_map(), 50);
+        CAPTURE(sigma, found.mean.s0, found.error.s0);
+        CHECK(found.error.s0 < 0.05 * found.mean.s0);
+        if (sigma < 1e-2) {
+            // A mirror shows the sky in the specular direction through the Fresnel matrix; σ = 1e-3
+            // blurs it over 0.1°.
+            const Vec3 wo = -look_at({0, 0, 0}, 50, 70, 1).forward;
+            const Vec3 wi{-wo.x, wo.y, -wo.z};
+            const reference::Stokes L = smooth_sky()(wi);
+            const FacetMueller<double> m = fresnel(1.5, 0.2, std::cos(to_radians(50)));
+            // The plane of incidence is the meridian: s is horizontal, S1 in the s frame −S1.
+            const double expected = m.a() * L[0] - m.b() * L[1];
+            CHECK(found.mean.s0 == Approx(expected).epsilon(2e-3));
+        } else if (sigma < 2) {
+            CHECK(found.mean.s0 ==
+                  Approx(reference_s0(paint, 50)).margin(4 * found.error.s0).epsilon(1e-3));
+        }
+    }
+}
+
+TEST_CASE("Indices: n < 1, k = 10, and no contrast at all", "[render]") {
+    for (const auto& [n, k] : {std::pair{0.3, 0.0}, {0.2, 3.0}, {1.5, 10.0}, {1.0, 0.0}}) {
+        const Material paint = single_row("paint", {n, k, 1, 0.3, 1, 0, 0, 0});
+        const PictureMean found = panel_mean(paint, smooth_map(), 60);
+        CAPTURE(n, k, found.mean.s0);
+        if (n == 1 && k == 0)
+            CHECK(found.mean.s0 < 1e-12);
+        else
+            CHECK(found.mean.s0 == Approx(reference_s0(paint, 60)).epsilon(5e-3));
+    }
+}
+
+TEST_CASE("Black: a paint without B and ρ, and any paint under a black sky, are 0 and known so") {
+    const Material black = single_row("black", {1.5, 0.2, 0, 0.3, 1, 0, 0, 0});
+    const PictureMean none = panel_mean(black, smooth_map(), 30);
+    CHECK(none.mean.s0 == 0);
+    CHECK(none.error.s0 == 0);
+    const Sky night = sample_sky(reference::uniform_sky(0), kOne, 4, 4);
+    const Film film =
+        checked_render(panel_scene(), green_paint(), night, look_at({0, 0, 0}, 30, 0, 0.1));
+    CHECK(film.at(0, 0).mean.s0 == 0);
+    CHECK(dolp(film.at(0, 0).mean) == 0);
+    CHECK(aolp(film.at(0, 0).mean) == 0);
+}
+
+TEST_CASE("Bright pixel: one node a million times brighter is found and weighed right",
+          "[render]") {
+    // Lambert under a black sky but for one node of a 2° grid: its bilinear hat holds a known
+    // share of the hemisphere's light. E = Σ over the four cells of ∫ hat cosθ dω, by midpoint.
+    Sky sky = sample_sky(reference::uniform_sky(0), kOne, 45, 180);
+    const std::size_t z0 = 20, a0 = 33;
+    sky.nodes[z0 * 180 + a0] = {1e6, 0, 0, 0};
+    const double step = kPi / 90;
+    double irradiance = 0;
+    const int fine = 400;
+    for (int i = 0; i < fine; ++i)
+        for (int j = 0; j < fine; ++j) {
+            const double dz = (2 * (i + 0.5) / fine - 1), da = (2 * (j + 0.5) / fine - 1);
+            const double z = sky.zeniths[z0] + dz * step;
+            irradiance += 1e6 * (1 - std::abs(dz)) * (1 - std::abs(da)) * std::cos(z) *
+                          std::sin(z) * sqr(2 * step / fine);
+        }
+    const PictureMean found = panel_mean(lambertian(0.5), sky, 30);
+    CHECK(found.mean.s0 == Approx(0.5 / kPi * irradiance).margin(4 * found.error.s0).epsilon(1e-4));
+    CHECK(found.error.s0 < 0.01 * found.mean.s0);
+}
+
+TEST_CASE("Fully polarized sky: light stays light", "[render]") {
+    // DoP = 1 everywhere, linear and circular.
+    const Sky linear = sample_sky(
+        [](Vec3) {
+            return reference::Stokes{1, 0.6, -0.8, 0};
+        },
+        kOne, 45, 90);
+    const Sky circular = sample_sky(
+        [](Vec3) {
+            return reference::Stokes{1, 0, 0, -1};
+        },
+        kOne, 45, 90);
+    const Material metal = single_row("metal", {0.9, 6, 1, 0.2, 1, 0, 0, 0});
+    for (const Sky* sky : {&linear, &circular})
+        for (double view : {0.0, 45.0, 85.0}) panel_mean(metal, *sky, view);
+}
+
+TEST_CASE("Maps of one node and of 4096 × 1024 nodes", "[render]") {
+    const Sky one = sample_sky(reference::uniform_sky(3), kOne, 1, 1);
+    CHECK(panel_mean(lambertian(0.5), one, 20).mean.s0 == Approx(1.5).epsilon(1e-3));
+    const Sky fine = sample_sky(smooth_sky(), kOne, 1024, 4096);
+    const PictureMean found = panel_mean(green_paint(), fine, 40);
+    CHECK(found.mean.s0 ==
+          Approx(reference_s0(green_paint(), 40)).margin(4 * found.error.s0).epsilon(1e-3));
+}
+
+TEST_CASE("Straight down and straight up: the zenith of camera and sky", "[render]") {
+    const PictureMean down = panel_mean(black_paint(), smooth_map(), 0);
+    // The frame of the vertical view: image right is east.
+    const reference::Integral expected = reference::panel(
+        reference_paint(black_paint(), 550), {0, 1, 0}, {0, 1, 0}, {1, 0, 0}, smooth_sky(), 1e-6);
+    CHECK(down.mean.s0 == Approx(expected.value[0]).margin(4 * down.error.s0).epsilon(1e-3));
+    CHECK(down.mean.s1 == Approx(expected.value[1]).margin(4 * down.error.s1 + 1e-6));
+    CHECK(down.mean.s2 == Approx(expected.value[2]).margin(4 * down.error.s2 + 1e-6));
+    // Up past the panel's edge into the zenith.
+    const Film up = checked_render(panel_scene(), black_paint(), smooth_map(),
+                                   look_at({0, 1, 0}, 180, 0, 1e-4));
+    Camera beside = look_at({3, 1, 0}, 180, 0, 1e-4);
+    const Film sky = checked_render(panel_scene(), black_paint(), smooth_map(), beside);
+    CHECK(up.coverage[0] == 1);
+    CHECK(sky.coverage[0] == 0);
+    // Looking up, north at the top, right is west: the sky's own S1 there about that axis.
+    const reference::Stokes zenith = smooth_sky()({0, 1, 0});
+    CHECK(sky.at(0, 0).mean.s0 == Approx(zenith[0]).epsilon(1e-3));
+    CHECK(dolp(sky.at(0, 0).mean) ==
+          Approx(std::hypot(zenith[1], zenith[2]) / zenith[0]).epsilon(2e-3));
+}
+
+TEST_CASE("Facing mirrors: fifty bounces keep the light physical", "[render]") {
+    Scene scene;
+    add_rectangle(scene, "left", {-0.5, 0, 5}, {0, 0, -10}, {0, 4, 0});
+    add_rectangle(scene, "right", {0.5, 0, -5}, {0, 0, 10}, {0, 4, 0});
+    const Material mirror = single_row("mirror", {0.2, 5, 1, 1e-3, 1, 0, 0, 0});
+    RenderSettings settings;
+    settings.width = settings.height = 8, settings.spp = 64, settings.max_depth = 50;
+    // Looking up between the walls at 10° above the horizon: each crossing climbs tan 10° of the
+    // gap, 0.18 m, so that the 2 m to the top take 11 or 12 reflections.
+    Camera camera = look_at({-0.5, 2, 0}, 100, 90, 0.05);
+    camera.position = Vec3{-0.5, 2, 0} - 0.8 * camera.forward;  // between the walls
+    const auto seen = [&](int depth) {
+        settings.max_depth = depth;
+        return picture_mean(checked_render(scene, mirror, smooth_map(), camera, settings), 0).mean;
+    };
+    CHECK(seen(10).s0 == 0);
+    const Stokes<double> through = seen(50);
+    // Sky seen by reflection at 10° of grazing on average: R of the metal is 0.94 unpolarized.
+    CHECK(through.s0 > 0.05);
+    CHECK(through.s0 < 1.5);
+    CHECK(seen(13).s0 == Approx(through.s0).epsilon(0.01));
+}
+
+TEST_CASE("Degenerate triangles: zero area, duplicates, a needle of 1 km × 1 µm", "[render]") {
+    Scene scene = panel_scene();
+    Mesh& mesh = scene.meshes[0];
+    mesh.positions.push_back({0.1f, 0, 0.1f});
+    const auto extra = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    mesh.triangles.push_back({extra, extra, extra});
+    mesh.triangles.push_back({0, 1, 1});
+    mesh.triangles.push_back({0, 1, 2});  // once more
+    Mesh needle;
+    needle.positions = {{-500, 0.5f, 0}, {500, 0.5f, 0}, {500, 0.5f, 1e-6f}};
+    needle.triangles = {{0, 1, 2}};
+    scene.meshes.push_back(needle);
+    scene.instances.push_back({1, 0, {}});
+    const Film film =
+        checked_render(scene, green_paint(), smooth_map(), look_at({0, 0, 0}, 30, 45, 0.3));
+    const Film plain =
+        checked_render(panel_scene(), green_paint(), smooth_map(), look_at({0, 0, 0}, 30, 45, 0.3));
+    CHECK(picture_mean(film, 0).mean.s0 == Approx(picture_mean(plain, 0).mean.s0).epsilon(0.01));
+}
+
+TEST_CASE("Shading normals: opposed, facing away, or of no length", "[render]") {
+    for (const Vec3f& n :
+         {Vec3f(0, -1, 0), Vec3f(0.99f, 0.1f, 0), Vec3f(-0.99f, 0.1f, 0), Vec3f()}) {
+        Scene scene = panel_scene();
+        scene.meshes[0].normals.assign(4, n);
+        for (double view : {0.0, 60.0, 89.0})
+            checked_render(scene, green_paint(), smooth_map(), look_at({0, 0, 0}, view, 90, 0.1));
+    }
+}
+
+TEST_CASE("Pictures of 1 × 1 and of 20000 × 1 pixels", "[render]") {
+    RenderSettings settings;
+    settings.width = settings.height = 1, settings.spp = 8;
+    CHECK(checked_render(panel_scene(), green_paint(), smooth_map(), look_at({0, 0, 0}, 30, 0, 1),
+                         settings)
+              .coverage[0] > 0);
+    settings.width = 20000;
+    const Film film = checked_render(panel_scene(), green_paint(), smooth_map(),
+                                     look_at({0, 0, 0}, 30, 0, 1e-3), settings);
+    CHECK(film.pixel_count() == 20000);
+}
+
+TEST_CASE("Scale: a feature of 1 mm on a ground of 10 km", "[render]") {
+    // A step 1 mm high near the middle of the ground shades what lies beside it.
+    Scene scene;
+    add_rectangle(scene, "ground", {-5000, 0, 5000}, {10000, 0, 0}, {0, 0, -10000});
+    add_rectangle(scene, "step", {-0.5, 0, 0}, {1, 0, 0}, {0, 0.001, 0});
+    const Film film = checked_render(scene, lambertian(0.5), smooth_map(),
+                                     look_at({0, 0.0005, 0}, 60, 180, 0.0005));
+    // The lower half of the step fills the middle rows of the picture: all of it is surface.
+    for (float a : film.coverage) CHECK(a == 1);
+    CHECK(film.instance[3 * 8 + 4] == 1);
+    CHECK(film.instance[7 * 8 + 4] == 0);
+}
