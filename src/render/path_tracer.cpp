@@ -91,7 +91,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         if (surface.directions().black()) return;
 
         // Sky light from a direction drawn by the sky's brightness.
-        const Basis basis(hit->n);
+        const Basis basis(hit->n, wo);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
         sample_sky(*hit, basis, wo, lobes, u, toward, path);
 

@@ -114,7 +114,7 @@ TEST_CASE("Sphere with a hole: every depth is the geometric series", "[render]")
     const PreparedScene prepared(scene, {0}, {lambertian(a)}, sky, kOne);
     RenderSettings settings;
     settings.width = settings.height = 16;
-    settings.spp = 1536;
+    settings.spp = 4096;
     double series = 0;
     for (int depth = 1; depth <= 8; ++depth) {
         series += std::pow(a * (1 - f), depth - 1);

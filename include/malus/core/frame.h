@@ -40,6 +40,14 @@ struct Basis {
 
     explicit Basis(const Vec3& normal)
         : s(any_perpendicular(normal)), t(cross(normal, s)), n(normal) {}
+    /// With s toward `along` as far as it is across the normal: turns with the scene, where the
+    /// other form knows the world's axes.
+    Basis(const Vec3& normal, const Vec3& along) : n(normal) {
+        const Vec3 across = along - dot(along, n) * n;
+        const double norm = length(across);
+        s = norm < 1e-9 ? any_perpendicular(n) : across / norm;
+        t = cross(n, s);
+    }
     Vec3 to_local(const Vec3& v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
     Vec3 to_world(const Vec3& v) const { return v.x * s + v.y * t + v.z * n; }
 };
