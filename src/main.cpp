@@ -60,9 +60,23 @@ int run(int argc, char** argv) {
     malus::cli::add_sky(app, malus::cli::command_line(argc, argv));
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
-    app.config_formatter(std::make_shared<CommandConfig>(called(app, argc, argv)));
+    const std::vector<std::string> commands = called(app, argc, argv);
+    app.config_formatter(std::make_shared<CommandConfig>(commands));
+    if (commands.empty() && argc > 1 && argv[1][0] != '-') {
+        std::cerr << "malus: unknown command '" << malus::one_line(argv[1]) << "'"
+                  << malus::suggest(argv[1], {"render", "sky", "preview", "info"}) << '\n';
+        return kUsage;
+    }
     try {
         app.parse(argc, argv);
+    } catch (const CLI::ConfigError& problem) {
+        // CLI11 calls every such file an INI file.
+        std::string what = problem.what();
+        const std::string theirs = "INI was not able to parse ";
+        if (what.starts_with(theirs))
+            what = "no option of this name: " + what.substr(theirs.size());
+        std::cerr << "malus: --config: " << malus::one_line(what) << '\n';
+        return kUsage;
     } catch (const CLI::ParseError& usage) {
         return app.exit(usage) == 0 ? 0 : kUsage;
     }

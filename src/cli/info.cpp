@@ -51,8 +51,11 @@ void describe_materials(const std::string& path) {
 
 void describe_sky(const std::string& path) {
     const Sky sky = read_sky(path);
-    std::printf("%s: sky map, %zu azimuths x %zu zenith angles at %s nm\n", path.c_str(),
-                sky.azimuths.size(), sky.zeniths.size(), to_text(sky.wavelengths_nm).c_str());
+    std::printf("%s: sky map, %zu azimuths x %zu zenith angles (%.4g to %.4g degrees) at %s nm\n",
+                path.c_str(), sky.azimuths.size(), sky.zeniths.size(),
+                to_degrees(sky.zeniths.front()), to_degrees(sky.zeniths.back()),
+                to_text(sky.wavelengths_nm).c_str());
+    for (const std::string& warning : sky.warnings) std::printf("  note %s\n", warning.c_str());
     if (sky.sun)
         std::printf("  sun at zenith %g, azimuth %g degrees%s\n", to_degrees(sky.sun->zenith),
                     to_degrees(sky.sun->azimuth),
@@ -118,6 +121,10 @@ void describe(const std::string& path) {
     if (ending == ".gltf" || ending == ".glb") return describe_scene(path);
     if (ending == ".json") return describe_materials(path);
     if (ending == ".csv") return describe_sky(path);
+    if (ending != ".exr")
+        throw Error(path +
+                    ": no kind of file that malus knows; name a scene (.gltf, .glb), paints "
+                    "(.json), a sky (.exr, .csv) or a rendered image (.exr)");
     const Image image = read_exr(path);
     const std::string* frame = image.text("stokesReferenceFrame");
     if (frame && *frame == "meridian") return describe_sky(path);

@@ -82,11 +82,16 @@ std::vector<double> choose_wavelengths(const RenderOptions& options, const Sky& 
             throw Error("--wavelengths: " + to_text(chosen[w]) + " nm stands twice; keep one");
     }
     if (!chosen.empty()) return chosen;
-    for (double nm : sky.wavelengths_nm)
-        if (std::all_of(paints.begin(), paints.end(), [&](int paint) {
-                return materials[static_cast<std::size_t>(paint)].covers(nm);
-            }))
-            chosen.push_back(nm);
+    std::vector<double> left_out;
+    for (double nm : sky.wavelengths_nm) {
+        const bool covered = std::all_of(paints.begin(), paints.end(), [&](int paint) {
+            return materials[static_cast<std::size_t>(paint)].covers(nm);
+        });
+        (covered ? chosen : left_out).push_back(nm);
+    }
+    if (!left_out.empty() && !chosen.empty())
+        warn(options, options.sky + ": " + to_text(left_out) +
+                          " nm left out (no data of all materials in use there)");
     if (chosen.empty())
         throw Error(options.sky + ": none of its wavelengths (" + to_text(sky.wavelengths_nm) +
                     " nm) is covered by all materials in use; make a sky that shares some");
@@ -100,7 +105,8 @@ void tell_interpolation(const RenderOptions& options, const std::vector<Material
         if (std::find(paints.begin(), paints.end(), static_cast<int>(m)) == paints.end()) continue;
         std::vector<double> between;
         for (double nm : wavelengths)
-            if (std::none_of(materials[m].rows.begin(), materials[m].rows.end(),
+            if (materials[m].covers(nm) &&
+                std::none_of(materials[m].rows.begin(), materials[m].rows.end(),
                              [&](const MaterialRow& row) {
                                  return std::abs(row.wavelength_nm - nm) < kSameWavelength_nm;
                              }))
@@ -109,6 +115,11 @@ void tell_interpolation(const RenderOptions& options, const std::vector<Material
             warn(options, materials[m].place + ": parameters at " + to_text(between) +
                               " nm are interpolated linearly between rows");
     }
+}
+
+bool asks_for_view(const RenderOptions& options) {
+    return std::any_of(options.view_options.begin(), options.view_options.end(),
+                       [](const CLI::Option* option) { return !option->empty(); });
 }
 
 const Camera& named_camera(const Scene& scene, const RenderOptions& options) {
@@ -135,9 +146,7 @@ int named_node(const Scene& scene, const RenderOptions& options) {
 
 Camera choose_camera(const Scene& scene, const RenderOptions& options) {
     if (!options.camera_option->empty()) return named_camera(scene, options);
-    const bool view = std::any_of(options.view_options.begin(), options.view_options.end(),
-                                  [](const CLI::Option* option) { return !option->empty(); });
-    if (!view && !scene.cameras.empty()) return scene.cameras.front();
+    if (!asks_for_view(options) && !scene.cameras.empty()) return scene.cameras.front();
     const Box box = bounds(scene, options.look_at.empty() ? -1 : named_node(scene, options));
     View from{to_radians(options.view_zenith_deg),
               to_radians(options.view_azimuth_deg),
@@ -187,13 +196,32 @@ void tell_result(const RenderOptions& options, const RenderStats& stats,
                 errors.c_str(), static_cast<unsigned long long>(result.refused));
 }
 
-void add_provenance(Image& image, const RenderStats& stats, const std::string& command_line) {
+std::string view_text(const RenderOptions& options) {
+    if (!options.camera_option->empty()) return "camera " + options.camera;
+    if (!asks_for_view(options)) return "first camera, or zenith 30, azimuth 0 degrees";
+    return "zenith " + to_text(options.view_zenith_deg) + ", azimuth " +
+           to_text(options.view_azimuth_deg) + " degrees, " +
+           (options.fov_deg > 0 ? "field of view " + to_text(options.fov_deg) + " degrees"
+                                : std::string("orthographic")) +
+           (options.look_at.empty() ? "" : ", of " + options.look_at);
+}
+
+// What the picture was made of and how, whether it came from the command line or a --config file.
+void add_provenance(Image& image, const RenderOptions& options, const RenderStats& stats,
+                    const std::string& command_line) {
     image.attributes["malusVersion"] = stats.version;
     image.attributes["commandLine"] = command_line;
     image.attributes["seed"] = std::to_string(stats.seed);
     image.attributes["wallTime"] =
         static_cast<float>(stats.load_s + stats.build_s + stats.render_s);
     image.attributes["dolpEstimator"] = "raw";
+    image.attributes["scene"] = options.scene;
+    image.attributes["sky"] = options.sky;
+    image.attributes["materials"] = options.materials;
+    image.attributes["assign"] = options.assign;
+    image.attributes["view"] = view_text(options);
+    image.attributes["samplesPerPixel"] = static_cast<int>(stats.spp);
+    image.attributes["maxDepth"] = stats.max_depth;
 }
 
 // `--materials a.json scene.glb` gives the scene to --materials, which takes any number of files.
@@ -210,6 +238,7 @@ void find_scene(RenderOptions& options) {
 void check_outputs(const RenderOptions& options) {
     std::vector<std::filesystem::path> others(options.materials.begin(), options.materials.end());
     others.insert(others.end(), {options.scene, options.sky});
+    check_exr_name(options.output);
     check_writable(options.output);
     check_distinct(options.output, others);
     if (options.stats.empty()) return;
@@ -225,6 +254,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     check_outputs(options);
     const std::vector<Material> materials = read_all_materials(options);
     const Sky sky = read_sky(options.sky);
+    for (const std::string& warning : sky.warnings) warn(options, warning);
     Scene scene = read_gltf(options.scene);
     for (const std::string& warning : scene.warnings) warn(options, warning);
     const std::vector<int> paints = assign_paints(scene, parse_rules(options.assign), materials);
@@ -269,7 +299,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     stats.seed = settings.seed;
     start = std::chrono::steady_clock::now();
     Image image = to_image(result.film, labels);
-    add_provenance(image, stats, command_line);
+    add_provenance(image, options, stats, command_line);
     write_exr(options.output, image);
     stats.write_s = seconds_since(start);
     if (!options.stats.empty()) write_stats(options.stats, stats, result);
@@ -284,7 +314,8 @@ void add_inputs(CLI::App& sub, RenderOptions& o) {
     sub.add_option("--stats", o.stats, "Write what was done to this JSON file");
     sub.add_option("--wavelengths", o.wavelengths_nm,
                    "Wavelengths, nm, e.g. 440,600 [all of the sky that the materials cover]")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false);
     sub.add_option("--assign", o.assign,
                    "Give a glTF node, mesh or material (by name; * for the rest) a paint: "
                    "NAME=MATERIAL; repeatable [the paint named like the glTF material]")
@@ -296,7 +327,9 @@ void add_inputs(CLI::App& sub, RenderOptions& o) {
 void add_view(CLI::App& sub, RenderOptions& o) {
     const std::string group = "View";
     o.camera_option =
-        sub.add_option("--camera", o.camera, "A camera of the scene, by name [the first, if any]")
+        sub.add_option("--camera", o.camera,
+                       "A camera of the scene, by name [the first, unless an option below asks for "
+                       "another view]")
             ->group(group);
     o.view_options = {
         sub.add_option("--view-zenith", o.view_zenith_deg,
@@ -311,7 +344,8 @@ void add_view(CLI::App& sub, RenderOptions& o) {
         sub.add_option("--fov", o.fov_deg,
                        "Perspective with this vertical field of view, degrees [orthographic]")
             ->check(within(1e-3, 170.0)),
-        sub.add_flag("--orthographic", o.orthographic, "Orthographic view (the default)"),
+        sub.add_flag("--orthographic", o.orthographic,
+                     "Orthographic view (the default of these views)"),
         sub.add_option("--margin", o.margin, "Free border, fraction of the picture")
             ->check(within(0.0, 0.45))};
     for (CLI::Option* option : o.view_options) {
@@ -339,7 +373,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     sub.add_option("--seed", s.seed, "Another seed gives an independent image")
-        ->check(CLI::NonNegativeNumber)
+        ->check(within(0, 18446744073709549568.0))
         ->capture_default_str();
     sub.add_option("--threads", s.threads,
                    "Threads; 0: all of the machine. The image does not depend on it")

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
+#include "malus/io/exr.h"
 #include "malus/io/file.h"
 #include "malus/io/sky_file.h"
 #include "malus/optics/wavelengths.h"
@@ -21,6 +22,7 @@ struct SkyOptions {
 };
 
 void make(const SkyOptions& options, const std::string& command_line) {
+    check_exr_name(options.output);
     check_writable(options.output);
     std::vector<double> wavelengths = options.wavelengths_nm;
     std::sort(wavelengths.begin(), wavelengths.end());

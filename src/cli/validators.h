@@ -15,9 +15,8 @@ inline CLI::Validator within(double least, double most) {
     return CLI::Validator(
         [=](std::string& text) {
             double x = NAN;
-            const bool number = CLI::detail::lexical_cast(text, x);
-            return number && x >= least && x <= most ? std::string()
-                                                     : text + " is not within " + range;
+            if (!CLI::detail::lexical_cast(text, x)) return text + " is not a number";
+            return x >= least && x <= most ? std::string() : text + " is not within " + range;
         },
         range);
 }

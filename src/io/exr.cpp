@@ -121,6 +121,14 @@ Image read_exr(const fs::path& path) {
     }
 }
 
+void check_exr_name(const fs::path& path) {
+    const std::string ending = path.extension().string();
+    if (ending != ".exr" && ending != ".EXR")
+        throw Error(path.string() +
+                    ": the image is an EXR file; name it .exr (malus preview makes "
+                    "pictures of it)");
+}
+
 void write_exr(const fs::path& path, const Image& image) {
     const Imath::Box2i window({0, 0}, {image.width - 1, image.height - 1});
     Imf::Header header(window, window);

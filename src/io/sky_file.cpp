@@ -248,6 +248,24 @@ Sky from_csv(const fs::path& path) {
     return sky;
 }
 
+// What a map leaves out of the dome, in words.
+std::vector<std::string> gaps(const Sky& sky, const std::string& file) {
+    std::vector<std::string> found;
+    const auto degrees = [](double x) { return to_text(std::round(to_degrees(x) * 100) / 100); };
+    if (sky.zeniths.front() > to_radians(15) || sky.zeniths.back() < to_radians(75))
+        found.push_back(file + ": zenith angles cover " + degrees(sky.zeniths.front()) + " to " +
+                        degrees(sky.zeniths.back()) +
+                        " of 0 to 90 degrees; beyond, the sky is taken as at their edge");
+    for (std::size_t i = 0; i < sky.azimuths.size() && sky.azimuths.size() > 1; ++i) {
+        const std::size_t next = (i + 1) % sky.azimuths.size();
+        const double gap = sky.azimuths[next] - sky.azimuths[i] + (next == 0 ? 2 * kPi : 0);
+        if (gap > to_radians(100))
+            found.push_back(file + ": no azimuth between " + degrees(sky.azimuths[i]) + " and " +
+                            degrees(sky.azimuths[next]) + " degrees; interpolated across");
+    }
+    return found;
+}
+
 }  // namespace
 
 Sky read_sky(const fs::path& path) {
@@ -256,6 +274,7 @@ Sky read_sky(const fs::path& path) {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     Sky sky = ending == ".csv" ? from_csv(path) : from_exr(path);
     sky.source = path.string();
+    sky.warnings = gaps(sky, path.string());
     return sky;
 }
 

@@ -9,29 +9,42 @@ namespace {
 
 enum Entry { k00, k01, k02, k11, k12, k22, k33 };
 
+// How much more the error of a ratio is than first-order propagation says when few replicates carry
+// the light: DoLP is then a weighted mean of few, and pulled toward the very ones that are to tell
+// its spread. Kish's effective number m of replicates; 1 when all weigh the same, infinite below
+// m = 2.
+double widening(const PixelStokes& pixel) {
+    const double R = kReplicates;
+    const double spread = static_cast<double>(pixel.covariance[k00]) / sqr(pixel.mean.s0);
+    const double m = R / (1 + (R - 1) * spread);
+    return m < 2 ? HUGE_VAL : std::sqrt((R - 1) / R * m / (m - 1));
+}
+
 }  // namespace
 
 double stderr_dolp(const PixelStokes& pixel) {
     const auto& [S, C] = pixel;
     if (!(S.s0 > 0)) return 0;
+    const double wider = widening(pixel);
+    if (wider == HUGE_VAL) return 1;
     const auto c = [&](Entry e) { return static_cast<double>(C[e]); };
     const double P = std::hypot(S.s1, S.s2), p = P / S.s0;
     // Unpolarized: the gradient has no direction; the larger axis of the error ellipse bounds it.
-    if (P == 0) return std::sqrt(std::max(c(k11), c(k22))) / S.s0;
+    if (P == 0) return std::min(1.0, wider * std::sqrt(std::max(c(k11), c(k22))) / S.s0);
     const double q = S.s1 / P, u = S.s2 / P;
     const double variance = q * q * c(k11) + u * u * c(k22) + 2 * q * u * c(k12) + p * p * c(k00) -
                             2 * p * (q * c(k01) + u * c(k02));
-    return std::sqrt(std::max(0.0, variance)) / S.s0;
+    return std::min(1.0, wider * std::sqrt(std::max(0.0, variance)) / S.s0);
 }
 
 double stderr_aolp(const PixelStokes& pixel) {
     const auto& [S, C] = pixel;
     const auto c = [&](Entry e) { return static_cast<double>(C[e]); };
     const double P = std::hypot(S.s1, S.s2);
-    if (P == 0) return S.s0 > 0 ? kPi / 2 : 0;
+    if (P == 0) return kPi / 2;
     const double q = S.s1 / P, u = S.s2 / P;
     const double variance = q * q * c(k22) + u * u * c(k11) - 2 * q * u * c(k12);
-    return std::min(kPi / 2, std::sqrt(std::max(0.0, variance)) / (2 * P));
+    return std::min(kPi / 2, widening(pixel) * std::sqrt(std::max(0.0, variance)) / (2 * P));
 }
 
 Film::Film(int w, int h, std::vector<double> wavelengths)

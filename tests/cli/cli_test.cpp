@@ -1,5 +1,6 @@
 // cli_test.cpp — the program as its users meet it: exit codes, messages, files.
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <chrono>
@@ -112,6 +113,7 @@ TEST_CASE("Help: every command explains itself, fast", "[cli]") {
 TEST_CASE("Usage: wrong options exit with 2", "[cli]") {
     CHECK(run("").exit_code == 2);
     CHECK(run("rendr").exit_code == 2);
+    CHECK_THAT(run("rendr").err, Contains("did you mean 'render'"));
     CHECK(run("render").exit_code == 2);
     CHECK(run("render --spp many").exit_code == 2);
     CHECK(run("render --width 0").exit_code == 2);
@@ -216,7 +218,9 @@ TEST_CASE("Render: outputs do not replace inputs, devices or each other", "[cli]
     CHECK_THAT(same.err, Contains("would replace"));
     CHECK(read_text(sky) == read_text(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr"));
     CHECK(run(small_render(image, "--stats " + quoted(image))).exit_code == 1);
-    CHECK(run(small_render("/dev/full")).exit_code == 1);
+    CHECK_THAT(run(small_render((folder / "image.png").string())).err, Contains("name it .exr"));
+    REQUIRE(::mkfifo((folder / "pipe.exr").c_str(), 0600) == 0);
+    CHECK_THAT(run(small_render((folder / "pipe.exr").string())).err, Contains("a pipe"));
     fs::create_symlink(folder / "real.exr", folder / "link.exr");
     write_text(folder / "real.exr", "old");
     CHECK(run(small_render((folder / "link.exr").string())).exit_code == 0);

@@ -50,6 +50,18 @@ TEST_CASE("Sky CSV: a full grid in any order lands at its nodes") {
     CHECK(sky.at(0, 0, 0).s2 == -2);
 }
 
+TEST_CASE("Sky CSV: what a map leaves out of the dome is said") {
+    std::string quarter = kHeader;
+    for (const char* z : {"0", "45", "60"})
+        for (const char* a : {"0", "45", "90"})
+            quarter += "550," + std::string(z) + "," + a + ",1,0,0,0\n";
+    const Sky sky = read_csv(quarter);
+    REQUIRE(sky.warnings.size() == 2);
+    CHECK_THAT(sky.warnings[0], Contains("cover 0 to 60 of 0 to 90"));
+    CHECK_THAT(sky.warnings[1], Contains("between 90 and 0"));
+    CHECK(read_csv(full_grid()).warnings.empty());
+}
+
 TEST_CASE("Sky CSV: 360° is 0°") {
     std::string text = kHeader;
     for (const char* a : {"0", "180", "360"})

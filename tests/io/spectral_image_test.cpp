@@ -58,8 +58,10 @@ TEST_CASE("Film to image: every channel of the format, with the film's numbers")
     CHECK(at("StdErr_S2.440,000000nm") == Approx(0.15));
     CHECK(at("StdErr_S3.440,000000nm") == Approx(0.3));
     // var p = [0.36·0.01 + 0.64·0.0225 + 0.25·0.04]/4, var ψ = [0.36·0.0225 + 0.64·0.01]/4 rad².
-    CHECK(at("StdErr_DoLP.440,000000nm") == Approx(std::sqrt(0.028) / 2));
-    CHECK(at("StdErr_AoLP.440,000000nm") == Approx(to_degrees(std::sqrt(0.0145) / 2)));
+    // Kish: C00/S0² = 0.01, m = 8/1.07, widening² = 7/8 · m/(m − 1).
+    const double wider = std::sqrt(7.0 / 8 * (8 / 1.07) / (8 / 1.07 - 1));
+    CHECK(at("StdErr_DoLP.440,000000nm") == Approx(wider * std::sqrt(0.028) / 2));
+    CHECK(at("StdErr_AoLP.440,000000nm") == Approx(wider * to_degrees(std::sqrt(0.0145) / 2)));
     CHECK(at("A") == 1);
     CHECK(at("Z") == 12);
     CHECK(at("material.id") == 2);
@@ -117,7 +119,11 @@ TEST_CASE("Stats: errors are summarized over the pixels that show a surface") {
     film.stokes[2] = {{1, 0, 0, 0}, {1, 0, 0, 0, 0, 0, 0}};      // sky: does not count
     const ErrorSummary error = summarize_error(film, 0);
     CHECK(error.rms_s0_relative == Approx(std::sqrt((0.01 + 0.04) / 2)));
-    // σ_p = p σ0/S0: 0.05 and 0.05.
-    CHECK(error.rms_dolp == Approx(0.05));
-    CHECK(error.p95_dolp == Approx(0.05));
+    // σ_p = p σ0/S0 = 0.05 twice, widened by Kish's number for C00/S0² = 0.01 and 0.04.
+    const auto wider = [](double spread) {
+        const double m = 8 / (1 + 7 * spread);
+        return std::sqrt(7.0 / 8 * m / (m - 1));
+    };
+    CHECK(error.rms_dolp == Approx(0.05 * std::sqrt((sqr(wider(0.01)) + sqr(wider(0.04))) / 2)));
+    CHECK(error.p95_dolp == Approx(0.05 * wider(0.01)));
 }

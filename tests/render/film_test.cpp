@@ -130,9 +130,33 @@ TEST_CASE("Error bars: DoLP and AoLP spread as their formulas say", "[statistica
 TEST_CASE("Error bars: limits at no light and no polarization") {
     PixelStokes pixel;
     CHECK(stderr_dolp(pixel) == 0);
-    CHECK(stderr_aolp(pixel) == 0);
+    CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
     pixel.mean.s0 = 2;
     pixel.covariance = {0, 0, 0, 0.04f, 0, 0.01f, 0};
     CHECK(stderr_dolp(pixel) == Approx(0.1));
     CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
+}
+
+TEST_CASE("Error bars: light from one replicate alone is not known, however alike its numbers") {
+    // Replicates (8,4,0,0), 0, …: DoLP 0.5 in the only one that has light.
+    PixelAccumulator pixel(1);
+    Film film(1, 1, {550});
+    pixel.start_pixel();
+    for (int r = 0; r < 8; ++r) {
+        pixel.start_replicate();
+        add(pixel, r == 0 ? 8.f : 0.f, r == 0 ? 4.f : 0.f, 0, 0);
+        pixel.end_replicate();
+    }
+    pixel.develop(film, 0);
+    CHECK(dolp(film.at(0, 0).mean) == Approx(0.5));
+    CHECK(stderr_dolp(film.at(0, 0)) == 1);
+    CHECK(stderr_aolp(film.at(0, 0)) == Approx(kPi / 2));
+}
+
+TEST_CASE("Error bars: few replicates that carry the light widen them by Kish's number") {
+    // Four of eight replicates carry all light. By hand: S0_r = 2 or 0, mean 1, Σ(±1)² = 8,
+    // C00 = 8/56 = 1/7; m = 8/(1 + 7/7) = 4; widening √(7/8 · 4/3) = 1.0801.
+    PixelStokes pixel{{1, 0.5, 0, 0}, {1.f / 7, 0, 0, 0, 0, 0.01f, 0}};
+    CHECK(stderr_aolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.1 / (2 * 0.5)));
+    CHECK(stderr_dolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.5 * std::sqrt(1.0 / 7)));
 }

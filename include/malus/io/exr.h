@@ -32,6 +32,9 @@ struct Image {
 /// Throws Error when the file is missing, not OpenEXR, damaged, tiled in levels or of many parts.
 Image read_exr(const std::filesystem::path& path);
 
+/// Throws Error unless the name ends in .exr: what is written is one, whatever its name.
+void check_exr_name(const std::filesystem::path& path);
+
 /// Appears whole or not at all; throws Error.
 void write_exr(const std::filesystem::path& path, const Image& image);
 

@@ -3,6 +3,8 @@
 //   S = mean over R replicates of their means S_r,   C = Σ_r (S_r − S)(S_r − S)ᵀ / (R(R−1))
 //   var p    = [(S1²C11 + S2²C22 + 2S1S2C12)/P² + p²C00 − 2p(S1C01 + S2C02)/P] / S0²
 //   var AoLP = (S1²C22 + S2²C11 − 2S1S2C12)/(4P⁴)              P = √(S1²+S2²), p = P/S0 = DoLP
+//   both times (R−1)/R · m/(m−1), m = R/(1 + (R−1)C00/S0²) the number of replicates that carry
+//   the light; below m = 2 nothing is known
 //
 // Frame   the camera's image frame of each pixel's beam (camera.h). Units W m⁻² sr⁻¹ nm⁻¹, m, rad.
 // Source  propagation of errors to first order; Plaszczynski et al., MNRAS 439, 4048 (2014).
@@ -24,7 +26,11 @@ struct PixelStokes {
     std::array<float, 7> covariance{};
 };
 
-/// Standard errors of a pixel's numbers. An AoLP that is not known at all has π/2.
+/// Independent scrambles a pixel: their spread is the error bar.
+inline constexpr std::uint32_t kReplicates = 8;
+
+/// Standard errors of a pixel's numbers; 1 and π/2 where nothing is known (no light, or all of it
+/// from one replicate, whose spread nobody saw).
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
 

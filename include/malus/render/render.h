@@ -32,9 +32,6 @@ struct RenderSettings {
     const std::atomic<bool>* stop = nullptr;  ///< set it to end the render early
 };
 
-/// Independent scrambles a pixel: their spread is the error bar.
-inline constexpr std::uint32_t kReplicates = 8;
-
 /// A scene ready to be traced: geometry sorted, paints and sky at the wavelengths of the render.
 class PreparedScene {
   public:

@@ -33,6 +33,7 @@ struct Sky {
     std::vector<Stokes<double>> nodes;      ///< [wavelength][zenith][azimuth]
     std::optional<Sun> sun;
     std::string source;
+    std::vector<std::string> warnings;  ///< what the map leaves out, one line each
 
     const Stokes<double>& at(std::size_t w, std::size_t zenith, std::size_t azimuth) const {
         return nodes[(w * zeniths.size() + zenith) * azimuths.size() + azimuth];
