@@ -41,7 +41,8 @@ double stderr_aolp(const PixelStokes& pixel) {
     const auto& [S, C] = pixel;
     const auto c = [&](Entry e) { return static_cast<double>(C[e]); };
     const double P = std::hypot(S.s1, S.s2);
-    if (P == 0) return kPi / 2;
+    // An axis of light that may well be unpolarized can point anywhere.
+    if (P == 0 || dolp(S) < 3 * stderr_dolp(pixel)) return kPi / 2;
     const double q = S.s1 / P, u = S.s2 / P;
     const double variance = q * q * c(k22) + u * u * c(k11) - 2 * q * u * c(k12);
     return std::min(kPi / 2, widening(pixel) * std::sqrt(std::max(0.0, variance)) / (2 * P));

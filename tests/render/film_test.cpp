@@ -134,6 +134,12 @@ TEST_CASE("Error bars: limits at no light and no polarization") {
     pixel.mean.s0 = 2;
     pixel.covariance = {0, 0, 0, 0.04f, 0, 0.01f, 0};
     CHECK(stderr_dolp(pixel) == Approx(0.1));
+    // p = 0.25 is 2.5 of its errors (0.1): the axis may point anywhere; p = 0.35 is 3.5.
+    pixel.mean.s1 = 0.5;
+    CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
+    pixel.mean.s1 = 0.7;
+    CHECK(stderr_aolp(pixel) == Approx(0.1 / (2 * 0.7)));
+    pixel.mean.s1 = 0;
     CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
 }
 
@@ -157,6 +163,8 @@ TEST_CASE("Error bars: few replicates that carry the light widen them by Kish's 
     // Four of eight replicates carry all light. By hand: S0_r = 2 or 0, mean 1, Σ(±1)² = 8,
     // C00 = 8/56 = 1/7; m = 8/(1 + 7/7) = 4; widening √(7/8 · 4/3) = 1.0801.
     PixelStokes pixel{{1, 0.5, 0, 0}, {1.f / 7, 0, 0, 0, 0, 0.01f, 0}};
-    CHECK(stderr_aolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.1 / (2 * 0.5)));
     CHECK(stderr_dolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.5 * std::sqrt(1.0 / 7)));
+    // With S1 = S0/2 in each replicate (C01 = C00/2, C11 = C00/4) DoLP is sharp, and AoLP known.
+    pixel.covariance = {1.f / 7, 1.f / 14, 0, 1.f / 28, 0, 0.01f, 0};
+    CHECK(stderr_aolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.1 / (2 * 0.5)));
 }

@@ -4,7 +4,7 @@
 //   var p    = [(S1²C11 + S2²C22 + 2S1S2C12)/P² + p²C00 − 2p(S1C01 + S2C02)/P] / S0²
 //   var AoLP = (S1²C22 + S2²C11 − 2S1S2C12)/(4P⁴)              P = √(S1²+S2²), p = P/S0 = DoLP
 //   both times (R−1)/R · m/(m−1), m = R/(1 + (R−1)C00/S0²) the number of replicates that carry
-//   the light; below m = 2 nothing is known
+//   the light; below m = 2 nothing is known, nor of AoLP where p is below 3 of its errors
 //
 // Frame   the camera's image frame of each pixel's beam (camera.h). Units W m⁻² sr⁻¹ nm⁻¹, m, rad.
 // Source  propagation of errors to first order; Plaszczynski et al., MNRAS 439, 4048 (2014).
