@@ -23,11 +23,11 @@ double widening(const PixelStokes& pixel) {
 }  // namespace
 
 double stderr_dolp(const PixelStokes& pixel) {
-    const auto& [S, C] = pixel;
+    const Stokes<double>& S = pixel.mean;
     if (!(S.s0 > 0)) return 0;
     const double wider = widening(pixel);
     if (wider == HUGE_VAL) return 1;
-    const auto c = [&](Entry e) { return static_cast<double>(C[e]); };
+    const auto c = [&](Entry e) { return static_cast<double>(pixel.covariance[e]); };
     const double P = std::hypot(S.s1, S.s2), p = P / S.s0;
     // Unpolarized: the gradient has no direction; the larger axis of the error ellipse bounds it.
     if (P == 0) return std::min(1.0, wider * std::sqrt(std::max(c(k11), c(k22))) / S.s0);
@@ -38,8 +38,8 @@ double stderr_dolp(const PixelStokes& pixel) {
 }
 
 double stderr_aolp(const PixelStokes& pixel) {
-    const auto& [S, C] = pixel;
-    const auto c = [&](Entry e) { return static_cast<double>(C[e]); };
+    const Stokes<double>& S = pixel.mean;
+    const auto c = [&](Entry e) { return static_cast<double>(pixel.covariance[e]); };
     const double P = std::hypot(S.s1, S.s2);
     // An axis of light that may well be unpolarized can point anywhere.
     if (P == 0 || dolp(S) < 3 * stderr_dolp(pixel)) return kPi / 2;

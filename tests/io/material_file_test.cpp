@@ -34,7 +34,7 @@ MaterialFile read(const std::string& text) {
 TEST_CASE("Paints: the shipped file holds the study's table") {
     const MaterialFile file = read_materials(MALUS_SOURCE_DIR "/materials/paints.json");
     REQUIRE(file.materials.size() == 2);
-    // Sums over all rows of Table 1 as physics.md section 5 prints it.
+    // Sums over all rows of the study's Table 1.
     double n = 0, k = 0, B = 0, sigma = 0, rho_d = 0, rho_v = 0;
     for (const Material& m : file.materials)
         for (const MaterialRow& row : m.rows) {

@@ -27,7 +27,7 @@ Amplitudes amplitudes(double n, double k, double beta) {
 }  // namespace
 
 TEST_CASE("Fresnel: green paint at 550 nm reflects and polarizes as computed independently") {
-    // physics.md section 6: R, DoLP and arg(rs rp*) for N = 1.366 + 0.2746i.
+    // R, DoLP and arg(rs rp*) of Born & Wolf's formulas for N = 1.366 + 0.2746i, worked out apart.
     CHECK(at(1.366, 0.2746, 0).a() == Approx(0.0369).margin(5e-5));
     const auto m45 = at(1.366, 0.2746, 45), m60 = at(1.366, 0.2746, 60);
     CHECK(m45.a() == Approx(0.0482).margin(5e-5));

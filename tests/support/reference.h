@@ -1,6 +1,6 @@
 // reference.h — the deterministic answer that renders are judged against.
 //
-//   f   = P(θ) SO(θ,β) G M(β) / (4 cosθi cosθo) + f_vol E00        Priest-Germer, docs' section 4
+//   f   = P(θ) SO(θ,β) G M(β) / (4 cosθi cosθo) + f_vol E00        Priest-Germer
 //   L_o = ∫ f L_i cosθi dωi                                         adaptive cubature, no sampling
 //
 // It shares no code with the renderer but Vec3, and is built another way on purpose: complex
