@@ -58,13 +58,15 @@ int run(int argc, char** argv) {
     app.footer("malus COMMAND --help explains the options of a command with units and defaults.");
     malus::cli::add_render(app, malus::cli::command_line(argc, argv));
     malus::cli::add_sky(app, malus::cli::command_line(argc, argv));
+    malus::cli::add_materials(app);
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {
         std::cerr << "malus: unknown command '" << malus::one_line(argv[1]) << "'"
-                  << malus::suggest(argv[1], {"render", "sky", "preview", "info"}) << '\n';
+                  << malus::suggest(argv[1], {"render", "sky", "materials", "preview", "info"})
+                  << '\n';
         return kUsage;
     }
     try {

@@ -90,7 +90,8 @@ void check_fails(const std::string& arguments, const fs::path& image,
 }  // namespace
 
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
-    for (const char* command : {"", "render", "sky", "sky make", "info", "preview"}) {
+    for (const char* command :
+         {"", "render", "sky", "sky make", "materials", "materials check", "info", "preview"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
@@ -379,6 +380,10 @@ TEST_CASE("Sky and info: a sky is made and described", "[cli]") {
     CHECK(run("info " + shipped("scenes/target_a.glb")).exit_code == 0);
     CHECK_THAT(run("info " + shipped("materials/paints.json")).out, Contains("green_paint"));
     CHECK(run("info " + quoted(sky + "x")).exit_code == 1);
+    const Outcome check = run("materials check " + shipped("materials/paints.json"));
+    CHECK(check.exit_code == 0);
+    CHECK_THAT(check.out,
+               Contains("550 nm") && Contains("negative in 96 %") && Contains("reciprocity: kept"));
 }
 
 TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
