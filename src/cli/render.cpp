@@ -247,30 +247,36 @@ void check_outputs(const RenderOptions& options) {
     check_distinct(options.stats, others);
 }
 
-void render_to_file(RenderOptions& options, const std::string& command_line) {
-    RenderStats stats;
-    auto start = std::chrono::steady_clock::now();
-    find_scene(options);
-    check_outputs(options);
-    const std::vector<Material> materials = read_all_materials(options);
-    const Sky sky = read_sky(options.sky);
-    for (const std::string& warning : sky.warnings) warn(options, warning);
-    Scene scene = read_gltf(options.scene);
-    for (const std::string& warning : scene.warnings) warn(options, warning);
-    const std::vector<int> paints = assign_paints(scene, parse_rules(options.assign), materials);
-    const std::vector<double> wavelengths = choose_wavelengths(options, sky, materials, paints);
-    tell_interpolation(options, materials, paints, wavelengths);
-    if (sky.sun && !sky.sun->irradiance.empty())
+// All that is read before the first ray.
+struct Inputs {
+    std::vector<Material> materials;
+    Sky sky;
+    Scene scene;
+    std::vector<int> paints;
+    std::vector<double> wavelengths_nm;
+    Camera camera;
+    Labels labels;
+};
+
+Inputs read_inputs(const RenderOptions& options) {
+    Inputs in;
+    in.materials = read_all_materials(options);
+    in.sky = read_sky(options.sky);
+    in.scene = read_gltf(options.scene);
+    for (const std::string& warning : in.sky.warnings) warn(options, warning);
+    for (const std::string& warning : in.scene.warnings) warn(options, warning);
+    in.paints = assign_paints(in.scene, parse_rules(options.assign), in.materials);
+    in.wavelengths_nm = choose_wavelengths(options, in.sky, in.materials, in.paints);
+    tell_interpolation(options, in.materials, in.paints, in.wavelengths_nm);
+    if (in.sky.sun && !in.sky.sun->irradiance.empty())
         warn(options, options.sky + ": its sun disc is left out; only the sky's light is rendered");
-    const Camera camera = choose_camera(scene, options);
-    const Labels labels = make_labels(scene, materials, paints);
-    stats.load_s = seconds_since(start);
+    in.camera = choose_camera(in.scene, options);
+    in.labels = make_labels(in.scene, in.materials, in.paints);
+    return in;
+}
 
-    start = std::chrono::steady_clock::now();
-    const PreparedScene prepared(std::move(scene), paints, materials, sky, wavelengths);
-    stats.build_s = seconds_since(start);
-
-    start = std::chrono::steady_clock::now();
+// The settings as they will be carried out.
+RenderSettings final_settings(const RenderOptions& options) {
     RenderSettings settings = options.settings;
     settings.spp = (settings.spp + kReplicates - 1) / kReplicates * kReplicates;
     if (settings.spp != options.settings.spp)
@@ -281,12 +287,32 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
         settings.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     catch_interrupts();
     settings.stop = &interrupted();
-    RenderResult result;
-    {
-        Progress progress("rendering", options.quiet);
-        settings.progress = [&](double done) { progress.update(done); };
-        result = render(prepared, camera, settings);
-    }
+    return settings;
+}
+
+RenderResult render_with_progress(const RenderOptions& options, const PreparedScene& scene,
+                                  const Camera& camera, RenderSettings settings) {
+    Progress progress("rendering", options.quiet);
+    settings.progress = [&](double done) { progress.update(done); };
+    return render(scene, camera, settings);
+}
+
+void render_to_file(RenderOptions& options, const std::string& command_line) {
+    RenderStats stats;
+    auto start = std::chrono::steady_clock::now();
+    find_scene(options);
+    check_outputs(options);
+    Inputs in = read_inputs(options);
+    stats.load_s = seconds_since(start);
+
+    start = std::chrono::steady_clock::now();
+    const PreparedScene prepared(std::move(in.scene), in.paints, in.materials, in.sky,
+                                 in.wavelengths_nm);
+    stats.build_s = seconds_since(start);
+
+    start = std::chrono::steady_clock::now();
+    const RenderSettings settings = final_settings(options);
+    const RenderResult result = render_with_progress(options, prepared, in.camera, settings);
     stats.render_s = seconds_since(start);
     if (result.stopped)
         throw Error(options.output + ": not written (stopped by a signal before it was finished)");
@@ -298,7 +324,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     stats.threads = settings.threads;
     stats.seed = settings.seed;
     start = std::chrono::steady_clock::now();
-    Image image = to_image(result.film, labels);
+    Image image = to_image(result.film, in.labels);
     add_provenance(image, options, stats, command_line);
     write_exr(options.output, image);
     stats.write_s = seconds_since(start);

@@ -29,8 +29,8 @@ struct PixelStokes {
 /// Independent scrambles a pixel: their spread is the error bar.
 inline constexpr std::uint32_t kReplicates = 8;
 
-/// Standard errors of a pixel's numbers; 1 and π/2 where nothing is known (no light, or all of it
-/// from one replicate, whose spread nobody saw).
+/// Standard errors of a pixel's DoLP and AoLP (rad); 1 and π/2 where nothing is known, since all
+/// light came from one replicate, whose spread nobody saw. Without light DoLP is 0 for certain.
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
 
