@@ -11,10 +11,6 @@ namespace {
 
 const std::vector<double> kOne{550};
 
-reference::SkyFunction smooth_sky() {
-    return reference::rayleigh_sky(direction(to_radians(50), to_radians(150)), 1.0, 0.8, 0.15);
-}
-
 // Ground of 2 m × 2 m and a wall of 2 m × 1 m at its northern edge, of one paint.
 Scene corner_scene() {
     Scene scene;
@@ -31,7 +27,7 @@ reference::Rectangle wall(const reference::Paint& paint) {
 }
 
 void compare_corner(const Material& paint, const Vec3& p, double view_zenith_deg) {
-    const Sky sky = sample_sky(smooth_sky(), kOne, 180, 720);
+    const Sky sky = sample_sky(smooth_sky(150), kOne, 180, 720);
     const PreparedScene prepared(corner_scene(), {0, 0}, {paint}, sky, kOne);
     const Camera camera = look_at(p, view_zenith_deg, 160, 1e-4);
     RenderSettings settings;
@@ -44,9 +40,9 @@ void compare_corner(const Material& paint, const Vec3& p, double view_zenith_deg
     const PictureMean one = at_depth(1), two = at_depth(2);
     const reference::Paint q = reference_paint(paint, 550);
     const reference::Integral first = reference::corner_first_bounce(
-        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(), 1e-5);
+        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(150), 1e-5);
     const reference::Integral second = reference::corner_second_bounce(
-        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(), 2e-4);
+        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(150), 2e-4);
     const auto check = [&](double value, double error, double right, double reference_error) {
         CAPTURE(value, error, right);
         // The two depths share their numbers, so their difference is better than this says.
@@ -85,7 +81,7 @@ TEST_CASE("Corner: a wavelength alone is what it is among others, where volume l
     // Green paint at 600 nm has ρv < 0: at grazing views its volume light lives near the normal
     // only. Ground of it beside a matte wall.
     const std::vector<double> two{440, 600};
-    const Sky sky = sample_sky(smooth_sky(), two, 90, 360);
+    const Sky sky = sample_sky(smooth_sky(150), two, 90, 360);
     Material wall = lambertian(0.9);
     RenderSettings settings;
     settings.width = settings.height = 8;

@@ -11,16 +11,6 @@ namespace {
 
 const std::vector<double> kOne{550};
 
-reference::SkyFunction smooth_sky() {
-    return reference::rayleigh_sky(direction(to_radians(50), to_radians(200)), 1.0, 0.8, 0.15);
-}
-
-Scene panel_scene() {
-    Scene scene;
-    add_rectangle(scene, "panel", {-0.5, 0, 0.5}, {1, 0, 0}, {0, 0, -1});
-    return scene;
-}
-
 // Renders and checks that every number of the film is finite and nothing was refused.
 Film checked_render(const Scene& scene, const Material& paint, const Sky& sky, const Camera& camera,
                     RenderSettings settings = {}) {

@@ -11,17 +11,6 @@ namespace {
 
 const std::vector<double> kWavelengths{440, 550, 600};
 
-// Polarized, with circular light, its sun in no plane of symmetry of the views.
-reference::SkyFunction smooth_sky() {
-    return reference::rayleigh_sky(direction(to_radians(50), to_radians(200)), 1.0, 0.8, 0.15);
-}
-
-Scene panel_scene() {
-    Scene scene;
-    add_rectangle(scene, "panel", {-0.5, 0, 0.5}, {1, 0, 0}, {0, 0, -1});
-    return scene;
-}
-
 Film render_panel(const Material& paint, const Sky& sky, const Camera& camera, std::uint32_t spp,
                   std::vector<double> wavelengths = kWavelengths,
                   Lighting lighting = Lighting::kBoth) {

@@ -70,6 +70,17 @@ void add_rectangle(Scene& scene, const std::string& name, const Vec3& corner, co
     scene.nodes.push_back({name, -1});
 }
 
+Scene panel_scene() {
+    Scene scene;
+    add_rectangle(scene, "panel", {-0.5, 0, 0.5}, {1, 0, 0}, {0, 0, -1});
+    return scene;
+}
+
+reference::SkyFunction smooth_sky(double sun_azimuth_deg) {
+    return reference::rayleigh_sky(direction(to_radians(50), to_radians(sun_azimuth_deg)), 1.0, 0.8,
+                                   0.15);
+}
+
 Sky sample_sky(const reference::SkyFunction& function, const std::vector<double>& wavelengths_nm,
                int zeniths, int azimuths) {
     Sky sky;

@@ -29,6 +29,13 @@ reference::Paint reference_paint(const Material& material, double wavelength_nm)
 void add_rectangle(Scene& scene, const std::string& name, const Vec3& corner, const Vec3& edge_u,
                    const Vec3& edge_v);
 
+/// A horizontal square of 1 m about the origin, one instance, facing up.
+Scene panel_scene();
+
+/// Polarized to 0.8, with circular light; the sun 50° off the zenith, in no plane of symmetry of the
+/// tests' views.
+reference::SkyFunction smooth_sky(double sun_azimuth_deg = 200);
+
 /// A map of the sky function, sampled at pixel centres, the same at each wavelength.
 Sky sample_sky(const reference::SkyFunction& function, const std::vector<double>& wavelengths_nm,
                int zeniths, int azimuths);
