@@ -21,6 +21,9 @@ void add_info(CLI::App& app);
 /// "preview". Throws Error if it cannot be found.
 [[noreturn]] void run_preview(int argc, char** argv);
 
+/// The values of --wavelengths, ascending. Throws Error for one that stands twice.
+std::vector<double> sorted_wavelengths(std::vector<double> wavelengths_nm);
+
 std::string version();
 /// The command line as one line, quoted where a shell would need it.
 std::string command_line(int argc, char** argv);

@@ -71,16 +71,12 @@ std::vector<PaintRule> parse_rules(const std::vector<std::string>& texts) {
 std::vector<double> choose_wavelengths(const RenderOptions& options, const Sky& sky,
                                        const std::vector<Material>& materials,
                                        const std::vector<int>& paints) {
-    std::vector<double> chosen = options.wavelengths_nm;
-    std::sort(chosen.begin(), chosen.end());
-    for (std::size_t w = 0; w < chosen.size(); ++w) {
-        if (!find_wavelength(sky.wavelengths_nm, chosen[w]))
-            throw Error(options.sky + ": no light at " + to_text(chosen[w]) + " nm (it has " +
+    std::vector<double> chosen = sorted_wavelengths(options.wavelengths_nm);
+    for (double nm : chosen)
+        if (!find_wavelength(sky.wavelengths_nm, nm))
+            throw Error(options.sky + ": no light at " + to_text(nm) + " nm (it has " +
                         to_text(sky.wavelengths_nm) +
                         " nm); choose other --wavelengths or another sky");
-        if (w > 0 && chosen[w] - chosen[w - 1] < kSameWavelength_nm)
-            throw Error("--wavelengths: " + to_text(chosen[w]) + " nm stands twice; keep one");
-    }
     if (!chosen.empty()) return chosen;
     std::vector<double> left_out;
     for (double nm : sky.wavelengths_nm) {
@@ -278,7 +274,7 @@ Inputs read_inputs(const RenderOptions& options) {
 // The settings as they will be carried out.
 RenderSettings final_settings(const RenderOptions& options) {
     RenderSettings settings = options.settings;
-    settings.spp = (settings.spp + kReplicates - 1) / kReplicates * kReplicates;
+    settings.spp = whole_spp(settings.spp);
     if (settings.spp != options.settings.spp)
         warn(options, "--spp " + std::to_string(options.settings.spp) + " is taken as " +
                           std::to_string(settings.spp) + ", a multiple of the " +

@@ -24,11 +24,7 @@ struct SkyOptions {
 void make(const SkyOptions& options, const std::string& command_line) {
     check_exr_name(options.output);
     check_writable(options.output);
-    std::vector<double> wavelengths = options.wavelengths_nm;
-    std::sort(wavelengths.begin(), wavelengths.end());
-    for (std::size_t w = 1; w < wavelengths.size(); ++w)
-        if (wavelengths[w] - wavelengths[w - 1] < kSameWavelength_nm)
-            throw Error("--wavelengths: " + to_text(wavelengths[w]) + " nm stands twice; keep one");
+    const std::vector<double> wavelengths = sorted_wavelengths(options.wavelengths_nm);
     const RayleighSky model{to_radians(options.sun_zenith_deg), to_radians(options.sun_azimuth_deg),
                             options.max_dolp};
     const Sky sky = make_rayleigh_sky(model, wavelengths, options.height, options.width);

@@ -39,16 +39,12 @@ struct TileWork {
         : S(4 * tracer.stride()), pixel(wavelengths) {}
 };
 
-std::uint32_t samples_a_replicate(const RenderSettings& settings) {
-    return std::max(1u, (settings.spp + kReplicates - 1) / kReplicates);
-}
-
 // False, with the pixel left undeveloped, when told to stop.
 bool render_pixel(const PathTracer& tracer, const RenderSettings& settings, int x, int y,
                   TileWork& work, Film& film) {
     const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
                               static_cast<std::size_t>(x);
-    const std::uint32_t samples = samples_a_replicate(settings);
+    const std::uint32_t samples = whole_spp(settings.spp) / kReplicates;
     work.pixel.start_pixel();
     for (std::uint32_t r = 0; r < kReplicates; ++r) {
         const Sampler sampler(settings.seed, index, r);

@@ -290,6 +290,8 @@ TEST_CASE("Render: bad input is one line with place, problem and remedy", "[cli]
                 {"did you mean 'panel'?"});
     check_fails(with(scene, sky, paints, "--assign '*=green_paint' --wavelengths 500"), image,
                 {"rayleigh_60.exr: no light at 500 nm", "440, 550, 600"});
+    check_fails(with(scene, sky, paints, "--assign '*=green_paint' --wavelengths 440,600,440"),
+                image, {"--wavelengths: 440 nm stands twice"});
     write_text(folder / "infrared.csv",
                "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n900,45,0,1,0,0,0\n");
     check_fails(with(scene, (folder / "infrared.csv").string(), paints, "--assign '*=green_paint'"),

@@ -32,6 +32,11 @@ struct RenderSettings {
     const std::atomic<bool>* stop = nullptr;  ///< set it to end the render early
 };
 
+/// Samples a pixel rounded up to the same number in each replicate.
+constexpr std::uint32_t whole_spp(std::uint32_t spp) {
+    return (spp + kReplicates - 1) / kReplicates * kReplicates;
+}
+
 /// A scene ready to be traced: geometry sorted, paints and sky at the wavelengths of the render.
 class PreparedScene {
   public:
