@@ -7,7 +7,6 @@
 namespace malus {
 namespace {
 
-constexpr std::size_t kMostLobes = 8;
 const double kInvSqrtPi = 1 / std::sqrt(kPi);
 
 // y with ½ erfc(−y) = u: a slope of density e^{−y²}/√π. Winitzki's approximation (2008; 2e-3),
@@ -120,23 +119,6 @@ Parts reflected_parts(const PriestGermer<double>& p, Slopes slopes, double cos_o
 
 DirectionSampler::DirectionSampler(std::span<const PriestGermer<double>> rows, Slopes slopes)
     : slopes_(slopes) {
-    for (std::size_t i = 0; i < kViews; ++i) {
-        const double cos_o = std::max(1e-3, static_cast<double>(i) / (kViews - 1));
-        double sum = 0, count = 0;
-        bool facets = false, volume = false;
-        for (const PriestGermer<double>& p : rows) {
-            const Parts parts = reflected_parts(p, slopes, cos_o);
-            facets = facets || parts.facets > 0;
-            volume = volume || parts.volume > 0;
-            if (!(parts.facets + parts.volume > 0)) continue;
-            sum += parts.volume / (parts.facets + parts.volume);
-            count += 1;
-        }
-        if (count > 0) black_ = false;
-        // Neither part may starve: its share bounds the weight of its light.
-        const double share = count > 0 ? sum / count : 1;
-        volume_share_[i] = facets && volume ? std::clamp(share, 0.1, 0.9) : facets ? 0 : 1;
-    }
     // Lobes, from the roughest down: each takes the rows that are smoother by up to a fifth.
     std::vector<double> sigmas;
     for (const PriestGermer<double>& p : rows)
@@ -144,39 +126,79 @@ DirectionSampler::DirectionSampler(std::span<const PriestGermer<double>> rows, S
     std::sort(sigmas.begin(), sigmas.end(), std::greater<>());
     double ratio = 1.2;
     do {
-        lobes_.clear();
-        for (double sigma : sigmas) {
-            if (lobes_.empty() || sigma * ratio < lobes_.back().sigma) lobes_.push_back({sigma, 0});
-            lobes_.back().share += 1 / static_cast<double>(sigmas.size());
-        }
+        sigmas_.clear();
+        for (double sigma : sigmas)
+            if (sigmas_.empty() || sigma * ratio < sigmas_.back()) sigmas_.push_back(sigma);
         ratio *= 1.2;
-    } while (lobes_.size() > kMostLobes);
+    } while (sigmas_.size() > kMostLobes);
+
+    for (std::size_t i = 0; i < kViews; ++i) {
+        const double cos_o = std::max(1e-3, static_cast<double>(i) / (kViews - 1));
+        shares_[i] = shares_for(rows, cos_o);
+        for (const PriestGermer<double>& p : rows) {
+            const Parts parts = reflected_parts(p, slopes, cos_o);
+            if (parts.facets + parts.volume > 0) black_ = false;
+        }
+    }
 }
 
-double DirectionSampler::volume_share(double cos_o) const {
-    if (lobes_.empty()) return 1;
+// A wavelength's error² from light that a part carries falls as (its fraction)²/share; the sum over
+// the wavelengths is least when share ∝ √Σ fraction².
+DirectionSampler::Shares DirectionSampler::shares_for(std::span<const PriestGermer<double>> rows,
+                                                      double cos_o) const {
+    Shares shares;
+    // No part may starve: its share bounds the weight of its light.
+    const auto add = [](double& share, double fraction) {
+        share += sqr(std::clamp(fraction, 0.1, 0.9));
+    };
+    for (const PriestGermer<double>& p : rows) {
+        const Parts parts = reflected_parts(p, slopes_, cos_o);
+        const double whole = parts.facets + parts.volume;
+        if (!(whole > 0)) continue;
+        if (parts.volume > 0) add(shares.volume, parts.volume / whole);
+        if (parts.facets > 0) add(shares.lobe[lobe_of(p.sigma)], parts.facets / whole);
+    }
+    double sum = shares.volume = std::sqrt(shares.volume);
+    for (double& share : shares.lobe) sum += share = std::sqrt(share);
+    if (!(sum > 0)) return {1, {}};
+    shares.volume /= sum;
+    for (double& share : shares.lobe) share /= sum;
+    return shares;
+}
+
+// The smoothest lobe that is as rough as sigma.
+std::size_t DirectionSampler::lobe_of(double sigma) const {
+    std::size_t j = 0;
+    while (j + 1 < sigmas_.size() && sigma <= sigmas_[j + 1]) ++j;
+    return j;
+}
+
+DirectionSampler::Shares DirectionSampler::shares_at(double cos_o) const {
     const double x = std::min(cos_o, 1.0) * (kViews - 1);
     const auto i = std::min(static_cast<std::size_t>(x), kViews - 2);
     const double t = x - static_cast<double>(i);
-    return (1 - t) * volume_share_[i] + t * volume_share_[i + 1];
+    const auto between = [t](double a, double b) { return (1 - t) * a + t * b; };
+    Shares shares{between(shares_[i].volume, shares_[i + 1].volume), {}};
+    for (std::size_t j = 0; j < sigmas_.size(); ++j)
+        shares.lobe[j] = between(shares_[i].lobe[j], shares_[i + 1].lobe[j]);
+    return shares;
 }
 
 DirectionSampler::View::View(const DirectionSampler& sampler, const Vec3& wo)
-    : sampler_(sampler), wo_(wo), volume_share_(sampler.volume_share(wo.z)), visible_area_{} {
+    : sampler_(sampler), wo_(wo), share_(sampler.shares_at(wo.z)), visible_area_{} {
     if (sampler.slopes_ != Slopes::kGaussian) return;
-    for (std::size_t j = 0; j < sampler.lobes_.size(); ++j) {
-        const StretchedView view = stretched(wo, std::sqrt(2.0) * sampler.lobes_[j].sigma);
+    for (std::size_t j = 0; j < sampler.sigmas_.size(); ++j) {
+        const StretchedView view = stretched(wo, std::sqrt(2.0) * sampler.sigmas_[j]);
         visible_area_[j] = view.length * seen_below(view, last_slope(view));
     }
 }
 
 Vec3 DirectionSampler::View::sample(double u_lobe, double u1, double u2) const {
-    if (u_lobe < volume_share_) return cosine_hemisphere(u1, u2);
-    double rest = (u_lobe - volume_share_) / (1 - volume_share_);
+    double rest = u_lobe - share_.volume;
+    if (rest < 0 || sampler_.sigmas_.empty()) return cosine_hemisphere(u1, u2);
     std::size_t j = 0;
-    while (j + 1 < sampler_.lobes_.size() && rest >= sampler_.lobes_[j].share)
-        rest -= sampler_.lobes_[j++].share;
-    const double sigma = sampler_.lobes_[j].sigma;
+    while (j + 1 < sampler_.sigmas_.size() && rest >= share_.lobe[j]) rest -= share_.lobe[j++];
+    const double sigma = sampler_.sigmas_[j];
     const Vec3 h = sampler_.slopes_ == Slopes::kGaussian ? visible_normal(wo_, sigma, u1, u2)
                                                          : cauchy_normal(sigma, u1, u2);
     return reflect(wo_, h);
@@ -190,8 +212,8 @@ double DirectionSampler::View::pdf(const Vec3& wi) const {
     const double tan2 = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
     const double wo_h = 0.5 * std::sqrt(norm2);
     double facets = 0;
-    for (std::size_t j = 0; j < sampler_.lobes_.size(); ++j) {
-        const auto& [sigma, share] = sampler_.lobes_[j];
+    for (std::size_t j = 0; j < sampler_.sigmas_.size(); ++j) {
+        const double sigma = sampler_.sigmas_[j], share = share_.lobe[j];
         if (sampler_.slopes_ == Slopes::kGaussian) {
             const double alpha2 = 2 * sigma * sigma;
             const double D = std::exp(-tan2 / alpha2) / (kPi * alpha2 * cos2 * cos2);
@@ -201,7 +223,7 @@ double DirectionSampler::View::pdf(const Vec3& wi) const {
             facets += share * P / (4 * wo_h * cauchy_norm(sigma));
         }
     }
-    return volume_share_ * wi.z / kPi + (1 - volume_share_) * facets;
+    return share_.volume * wi.z / kPi + facets;
 }
 
 }  // namespace malus

@@ -6,8 +6,8 @@
 //   Cauchy slopes:  p_j = P(h) / (4 (wo·h) ∫P dΩ)
 //
 // One mixture serves all wavelengths: roughnesses within a fifth of each other share a lobe, and q
-// follows the mean over the wavelengths of what the parts reflect at this view. f/pdf of every
-// wavelength is then bounded wherever its own lobe's would be.
+// follows, root mean square over the wavelengths, the fraction of its light that each part reflects
+// at this view. f/pdf of every wavelength is then bounded wherever its own lobe's would be.
 // Frame   directions are local: z is the shading normal.
 // Source  Walter et al., Microfacet Models for Refraction (EGSR 2007); Heitz & d'Eon, Importance
 //         Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals (EGSR 2014).
@@ -24,6 +24,13 @@ namespace malus {
 
 /// The lobes of a paint; built once a render, shared by threads.
 class DirectionSampler {
+    static constexpr std::size_t kMostLobes = 8;
+    // Of volume and lobes in the mixture; their sum is 1.
+    struct Shares {
+        double volume = 0;
+        std::array<double, kMostLobes> lobe{};
+    };
+
   public:
     /// `rows`: the paint's parameters at each wavelength of the render.
     DirectionSampler(std::span<const PriestGermer<double>> rows, Slopes slopes);
@@ -45,23 +52,21 @@ class DirectionSampler {
       private:
         const DirectionSampler& sampler_;
         Vec3 wo_;
-        double volume_share_;
-        std::array<double, 8> visible_area_;  // A(wo) of each Gaussian lobe
+        Shares share_;
+        std::array<double, kMostLobes> visible_area_;  // A(wo) of each Gaussian lobe
     };
 
   private:
-    struct Lobe {
-        double sigma;
-        double share;  // of the facet part
-    };
-    static constexpr std::size_t kViews = 33;  // nodes of volume_share_ over cosθo
+    static constexpr std::size_t kViews = 33;  // nodes of shares_ over cosθo
 
-    double volume_share(double cos_o) const;
+    Shares shares_for(std::span<const PriestGermer<double>> rows, double cos_o) const;
+    std::size_t lobe_of(double sigma) const;
+    Shares shares_at(double cos_o) const;
 
     Slopes slopes_;
     bool black_ = true;
-    std::vector<Lobe> lobes_;
-    std::array<double, kViews> volume_share_{};
+    std::vector<double> sigmas_;           // of the lobes, from the roughest down
+    std::array<Shares, kViews> shares_{};  // of the mixture, by cosθo
 };
 
 }  // namespace malus
