@@ -20,6 +20,16 @@ double widening(const PixelStokes& pixel) {
     return m < 2 ? HUGE_VAL : std::sqrt((R - 1) / R * m / (m - 1));
 }
 
+// A mean of light is light, but the sum of many samples in floats may leave |(S1,S2,S3)| above S0 by
+// some roundings, and so may storing it in floats. What exceeds S0 by more is left for all to see.
+Stokes<double> held_physical(const Stokes<double>& S) {
+    constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
+    const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
+    if (polarized <= most || polarized > (1 + kRoundings) * S.s0) return S;
+    const double shrink = most / polarized;
+    return {S.s0, shrink * S.s1, shrink * S.s2, shrink * S.s3};
+}
+
 }  // namespace
 
 double stderr_dolp(const PixelStokes& pixel) {
@@ -127,7 +137,6 @@ void PixelAccumulator::develop(Film& film, std::size_t pixel) const {
         out = {};
         for (std::size_t r = 0; r < replicate_count_; ++r)
             out.mean = out.mean + (1 / R) * replicates_[r][w];
-        if (replicate_count_ < 2) continue;
         std::array<double, 7> C{};
         for (std::size_t r = 0; r < replicate_count_; ++r) {
             const Stokes<double> d = replicates_[r][w] + -1.0 * out.mean;
@@ -135,8 +144,10 @@ void PixelAccumulator::develop(Film& film, std::size_t pixel) const {
                                                  d.s1 * d.s2, d.s2 * d.s2, d.s3 * d.s3};
             for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
         }
+        const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
         for (std::size_t e = 0; e < C.size(); ++e)
-            out.covariance[e] = static_cast<float>(C[e] / (R * (R - 1)));
+            out.covariance[e] = static_cast<float>(norm * C[e]);
+        out.mean = held_physical(out.mean);
     }
 }
 

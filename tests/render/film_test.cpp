@@ -66,6 +66,38 @@ TEST_CASE("Film: samples that are not finite or negative are refused and leave n
     CHECK(film.samples[0] == 2);
 }
 
+TEST_CASE("Film: rounding never makes light more than fully polarized, and hides nothing larger") {
+    // DoP = 1 in float components, whose norms round to either side of S0, at all brightnesses.
+    PixelAccumulator pixel(1);
+    Film film(1, 1, {550});
+    const auto developed = [&](float s0, float s1, float s2, float s3) {
+        pixel.start_pixel();
+        for (int r = 0; r < 8; ++r) {
+            pixel.start_replicate();
+            REQUIRE(add(pixel, s0, s1, s2, s3));
+            pixel.end_replicate();
+        }
+        pixel.develop(film, 0);
+        return film.at(0, 0).mean;
+    };
+    std::mt19937_64 engine(11);
+    std::normal_distribution<double> normal;
+    int over = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double x = normal(engine), y = normal(engine), z = normal(engine);
+        const double s0 = std::exp(20 * normal(engine)), r = s0 / std::hypot(x, y, z);
+        const auto f = [](double v) { return static_cast<float>(v); };
+        over += std::hypot(double{f(r * x)}, double{f(r * y)}, double{f(r * z)}) > double{f(s0)};
+        const Stokes<double> S = developed(f(s0), f(r * x), f(r * y), f(r * z));
+        REQUIRE(std::hypot(S.s1, S.s2, S.s3) <= S.s0);
+        REQUIRE(std::hypot(double{f(S.s1)}, double{f(S.s2)}, double{f(S.s3)}) <= double{f(S.s0)});
+        REQUIRE(dop(S) == Approx(1).margin(1e-6));
+    }
+    CHECK(over > 500);
+    // A thousandth too much is a fault upstream: it stays.
+    CHECK(dop(developed(1, 1.001f, 0, 0)) == Approx(1.001));
+}
+
 TEST_CASE("Film: the id of a pixel is what most of its samples met") {
     PixelAccumulator pixel(1);
     Film film(1, 1, {550});

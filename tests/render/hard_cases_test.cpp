@@ -23,7 +23,7 @@ Film checked_render(const Scene& scene, const Material& paint, const Sky& sky, c
     for (const PixelStokes& pixel : result.film.stokes) {
         REQUIRE(std::isfinite(pixel.mean.s0 + pixel.mean.s1 + pixel.mean.s2 + pixel.mean.s3));
         REQUIRE(pixel.mean.s0 >= 0);
-        REQUIRE(dop(pixel.mean) <= 1 + 1e-5);
+        REQUIRE(dop(pixel.mean) <= 1);
         REQUIRE(std::isfinite(stderr_dolp(pixel) + stderr_aolp(pixel)));
     }
     return result.film;

@@ -25,7 +25,9 @@ inline double zenith_of(const Vec3& w) {
 inline double azimuth_of(const Vec3& w) {
     if (w.x == 0 && w.z == 0) return 0;
     const double a = std::atan2(w.x, -w.z);
-    return a < 0 ? a + 2 * kPi : a;
+    // A tiny negative angle plus 2π rounds to 2π, which is the same azimuth as 0.
+    const double folded = a < 0 ? a + 2 * kPi : a;
+    return folded < 2 * kPi ? folded : 0;
 }
 
 /// Some unit vector perpendicular to the unit vector n.
