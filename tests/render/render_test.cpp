@@ -66,48 +66,9 @@ TEST_CASE("Shipped scenes: no sample is refused and light stays light", "[render
         for (const PixelStokes& pixel : result.film.stokes) {
             REQUIRE(std::isfinite(pixel.mean.s0));
             REQUIRE(pixel.mean.s0 >= 0);
-            REQUIRE(dop(pixel.mean) <= 1 + 1e-6);
+            REQUIRE(dop(pixel.mean) <= 1);
         }
     }
-}
-
-TEST_CASE("Error bars: over 200 seeds z-scores spread as Student's t with 7 degrees", "[render]") {
-    // Each pixel of each seed estimates the same panel; reference: the mean of all of them, whose
-    // own error is 70 times smaller.
-    Scene panel;
-    add_rectangle(panel, "panel", {-1, 0, 1}, {2, 0, 0}, {0, 0, -2});
-    const PreparedScene scene(panel, {0}, {green_paint()}, smooth_map(), kTwo);
-    const Camera camera = look_at({0, 0, 0}, 45, 20, 0.1);
-    RenderSettings settings;
-    settings.width = settings.height = 5, settings.spp = 512;
-    std::vector<PixelStokes> all;
-    for (settings.seed = 0; settings.seed < 200; ++settings.seed) {
-        const Film film = render(scene, camera, settings).film;
-        for (std::size_t i = 0; i < film.pixel_count(); ++i) all.push_back(film.at(i, 0));
-    }
-    const double count = static_cast<double>(all.size());
-    const auto spread = [&](auto value, auto error) {
-        double mean = 0, z_sum = 0, z_squares = 0;
-        for (const PixelStokes& p : all) mean += value(p) / count;
-        for (const PixelStokes& p : all) {
-            const double z = (value(p) - mean) / error(p);
-            z_sum += z, z_squares += z * z;
-        }
-        // 5000 scores: the mean is known to 0.017, the deviation to 2 %.
-        CAPTURE(z_sum / count, std::sqrt(z_squares / count));
-        CHECK(std::abs(z_sum / count) < 0.1);
-        CHECK(std::sqrt(z_squares / count) == Approx(std::sqrt(7.0 / 5)).epsilon(0.1));
-    };
-    using P = PixelStokes;
-    const auto sigma = [](std::size_t entry) {
-        return [entry](const P& p) { return std::sqrt(static_cast<double>(p.covariance[entry])); };
-    };
-    spread([](const P& p) { return p.mean.s0; }, sigma(0));
-    spread([](const P& p) { return p.mean.s1; }, sigma(3));
-    spread([](const P& p) { return p.mean.s2; }, sigma(5));
-    spread([](const P& p) { return p.mean.s3; }, sigma(6));
-    spread([](const P& p) { return dolp(p.mean); }, [](const P& p) { return stderr_dolp(p); });
-    spread([](const P& p) { return aolp(p.mean); }, [](const P& p) { return stderr_aolp(p); });
 }
 
 TEST_CASE("Coverage: a panel that fills a quarter of the picture has A, Z and ids there") {
