@@ -8,26 +8,31 @@ namespace malus {
 namespace {
 
 constexpr int kBits = 32;
+constexpr std::uint32_t kOwnBlocks = 2;  // with Sobol' dimensions of their own
 using Bits = std::array<std::uint32_t, kBlockDimensions>;
 
 struct Polynomial {
     int degree;
     std::uint32_t a;
-    std::array<std::uint32_t, 5> m;
+    std::array<std::uint32_t, 6> m;
 };
 
-constexpr std::array<Polynomial, kBlockDimensions - 1> kPolynomials{{
-#include "joe_kuo_8.inc"
+constexpr std::array<Polynomial, kOwnBlocks * kBlockDimensions - 1> kPolynomials{{
+#include "joe_kuo_16.inc"
 }};
 
-// Direction numbers, bit by bit of the index, all dimensions side by side so that one bit is one
-// vector operation. Recurrence of Bratley & Fox, ACM TOMS 14, 88 (1988).
-constexpr std::array<Bits, kBits> direction_numbers() {
+// Direction numbers, bit by bit of the index, all dimensions of a block side by side so that one bit
+// is one vector operation. Recurrence of Bratley & Fox, ACM TOMS 14, 88 (1988).
+constexpr std::array<Bits, kBits> direction_numbers(int block) {
     std::array<Bits, kBits> v{};
-    for (int i = 0; i < kBits; ++i) v[i][0] = 1u << (kBits - 1 - i);
-    for (int d = 1; d < kBlockDimensions; ++d) {
-        const Polynomial& p = kPolynomials[d - 1];
+    for (int d = 0; d < kBlockDimensions; ++d) {
+        const int dimension = block * kBlockDimensions + d;
         for (int i = 0; i < kBits; ++i) {
+            if (dimension == 0) {
+                v[i][d] = 1u << (kBits - 1 - i);
+                continue;
+            }
+            const Polynomial& p = kPolynomials[dimension - 1];
             if (i < p.degree) {
                 v[i][d] = p.m[i] << (kBits - 1 - i);
                 continue;
@@ -40,7 +45,8 @@ constexpr std::array<Bits, kBits> direction_numbers() {
     return v;
 }
 
-constexpr std::array<Bits, kBits> kDirections = direction_numbers();
+constexpr std::array<std::array<Bits, kBits>, kOwnBlocks> kDirections{direction_numbers(0),
+                                                                      direction_numbers(1)};
 
 constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     x = (x >> 16) | (x << 16);
@@ -81,11 +87,12 @@ std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
     return mix(mix(a + kGolden) ^ (b + kGolden));
 }
 
-Bits sobol(std::uint32_t index) {
+Bits sobol(std::uint32_t index, std::uint32_t block) {
+    EXPECT(block < kOwnBlocks);
     Bits x{};
     for (int bit = 0; index != 0; ++bit, index >>= 1) {
         const std::uint32_t mask = 0u - (index & 1u);
-        for (int d = 0; d < kBlockDimensions; ++d) x[d] ^= kDirections[bit][d] & mask;
+        for (int d = 0; d < kBlockDimensions; ++d) x[d] ^= kDirections[block][bit][d] & mask;
     }
     return x;
 }
@@ -94,9 +101,10 @@ SamplePoint Sampler::point(std::uint32_t sample, std::uint32_t block) const {
     const std::uint64_t key = hash(key_, block);
     // Shuffling the order is an Owen scramble of the index itself: aligned runs of 2^m samples
     // stay the aligned runs of the sequence that make it even.
+    const bool own = block < kOwnBlocks;
     const std::uint32_t index =
-        block == 0 ? sample : owen_scramble(sample, static_cast<std::uint32_t>(key >> 32));
-    const Bits x = sobol(index);
+        own ? sample : owen_scramble(sample, static_cast<std::uint32_t>(key >> 32));
+    const Bits x = sobol(index, own ? block : 0);
     SamplePoint u;
     for (int d = 0; d < kBlockDimensions; ++d) {
         const auto seed = static_cast<std::uint32_t>(mix(key + static_cast<std::uint64_t>(d + 1)));

@@ -4,9 +4,10 @@
 // A number depends on (seed, pixel, replicate, sample, block, dimension) alone: any machine and any
 // thread can compute it, and a render can continue where another stopped.
 //
-// Blocks  a path needs a few numbers a vertex. A block holds 8 dimensions of the Sobol' sequence;
-//         blocks beyond the first visit it in an independently shuffled order ("padding"), which
-//         keeps each block well distributed and the blocks independent of each other.
+// Blocks  a path needs a few numbers a vertex: a block of 8. Blocks 0 and 1 are dimensions 1 to 8 and
+//         9 to 16 of one Sobol' sequence, so that two vertices together are sampled evenly, too.
+//         Blocks beyond visit the first 8 dimensions in an independently shuffled order
+//         ("padding"), which keeps each well distributed and all independent of each other.
 // Range   each number in (0,1), a multiple of 2⁻³² plus 2⁻³³.
 // Source  Owen, Randomly permuted (t,m,s)-nets (1995); Joe & Kuo (2008) for the direction numbers;
 //         Laine & Karras (2011) and Burley, JCGT 9(4) (2020) for the hash-based scrambling.
@@ -23,8 +24,8 @@ inline constexpr int kBlockDimensions = 8;
 /// Coordinates of one point of a block.
 using SamplePoint = std::array<double, kBlockDimensions>;
 
-/// The unscrambled Sobol' point `index`: 32-bit fractions.
-std::array<std::uint32_t, kBlockDimensions> sobol(std::uint32_t index);
+/// The unscrambled Sobol' point `index` in the dimensions of block 0 or 1: 32-bit fractions.
+std::array<std::uint32_t, kBlockDimensions> sobol(std::uint32_t index, std::uint32_t block);
 
 /// A well-mixed 64-bit function of two 64-bit numbers.
 std::uint64_t hash(std::uint64_t a, std::uint64_t b);
@@ -35,7 +36,7 @@ class Sampler {
     Sampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t replicate)
         : key_(hash(hash(seed, pixel), replicate)) {}
 
-    /// Point `sample` of block `block`; block 0 is not shuffled.
+    /// Point `sample` of block `block`.
     SamplePoint point(std::uint32_t sample, std::uint32_t block) const;
 
   private:
