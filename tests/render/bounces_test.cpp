@@ -1,7 +1,11 @@
 // bounces_test.cpp — light that is reflected more than once.
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+#include <utility>
+
 #include "malus/core/frame.h"
 #include "malus/io/gltf.h"
+#include "support/agreement.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 
@@ -19,61 +23,148 @@ Scene corner_scene() {
     return scene;
 }
 
-reference::Rectangle ground(const reference::Paint& paint) {
-    return {{-1, 0, 0}, {2, 0, 0}, {0, 0, 2}, {0, 1, 0}, paint};
-}
-reference::Rectangle wall(const reference::Paint& paint) {
-    return {{-1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}, paint};
+// Two rectangles that light each other, for the renderer and for the reference; the detector sees
+// the point p of the first.
+struct Pair {
+    Scene scene;
+    reference::Rectangle seen, other;
+    Vec3 p;
+    Camera camera;
+};
+
+Pair corner(const Material& material, const Vec3& p, double view_zenith_deg) {
+    const reference::Paint paint = reference_paint(material, 550);
+    return {corner_scene(),
+            {{-1, 0, 0}, {2, 0, 0}, {0, 0, 2}, {0, 1, 0}, paint},
+            {{-1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}, paint},
+            p,
+            look_at(p, view_zenith_deg, 160, 1e-4)};
 }
 
-void compare_corner(const Material& paint, const Vec3& p, double view_zenith_deg) {
-    const Sky sky = sample_sky(smooth_sky(150), kOne, 180, 720);
-    const PreparedScene prepared(corner_scene(), {0, 0}, {paint}, sky, kOne);
-    const Camera camera = look_at(p, view_zenith_deg, 160, 1e-4);
+// Walls 2 m × 1 m, half a metre apart; seen from between them.
+Pair facing(const Material& material, double height, double view_zenith_deg) {
+    const reference::Paint paint = reference_paint(material, 550);
+    Pair pair{{},
+              {{-1, 0, -0.25}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}, paint},
+              {{-1, 0, 0.25}, {2, 0, 0}, {0, 1, 0}, {0, 0, -1}, paint},
+              {0.2, height, -0.25},
+              look_at({0.2, height, -0.25}, view_zenith_deg, 170, 1e-4)};
+    add_rectangle(pair.scene, "north", pair.seen.corner, pair.seen.edge_u, pair.seen.edge_v);
+    add_rectangle(pair.scene, "south", pair.other.corner, pair.other.edge_u, pair.other.edge_v);
+    pair.camera.position = pair.p - 0.2 * pair.camera.forward;
+    return pair;
+}
+
+// What depth 2 adds to depth 1, pixel by pixel: both draw the same numbers, so the difference is
+// the second bounce alone. Its error from the spread of 16 pixels.
+struct SecondBounce {
+    std::array<double, 4> value{}, error{};
+};
+SecondBounce second_bounce(const PreparedScene& scene, const Camera& camera, std::uint32_t spp) {
+    constexpr int kPixels = 16;
     RenderSettings settings;
-    settings.width = settings.height = 8;
-    settings.spp = 4096;
-    const auto at_depth = [&](int depth) {
-        settings.max_depth = depth;
-        return picture_mean(render(prepared, camera, settings).film, 0);
-    };
-    const PictureMean one = at_depth(1), two = at_depth(2);
-    const reference::Paint q = reference_paint(paint, 550);
-    const reference::Integral first = reference::corner_first_bounce(
-        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(150), 1e-5);
-    const reference::Integral second = reference::corner_second_bounce(
-        ground(q), wall(q), p, -camera.forward, camera.right, smooth_sky(150), 2e-4);
-    const auto check = [&](double value, double error, double right, double reference_error) {
-        CAPTURE(value, error, right);
-        // The two depths share their numbers, so their difference is better than this says.
-        CHECK(std::abs(value - right) <= 4 * error + reference_error);
-    };
-    check(one.mean.s0, one.error.s0, first.value[0], first.error[0]);
-    check(one.mean.s1, one.error.s1, first.value[1], first.error[1]);
-    check(one.mean.s2, one.error.s2, first.value[2], first.error[2]);
-    check(one.mean.s3, one.error.s3, first.value[3], first.error[3]);
-    check(two.mean.s0 - one.mean.s0, std::hypot(one.error.s0, two.error.s0), second.value[0],
-          second.error[0]);
-    check(two.mean.s1 - one.mean.s1, std::hypot(one.error.s1, two.error.s1), second.value[1],
-          second.error[1]);
-    check(two.mean.s2 - one.mean.s2, std::hypot(one.error.s2, two.error.s2), second.value[2],
-          second.error[2]);
-    check(two.mean.s3 - one.mean.s3, std::hypot(one.error.s3, two.error.s3), second.value[3],
-          second.error[3]);
-    // The test can only speak if the second bounce is resolved.
-    CHECK(two.error.s0 < 0.02 * second.value[0]);
+    settings.width = kPixels, settings.height = 1, settings.spp = spp;
+    settings.max_depth = 1;
+    const Film one = render(scene, camera, settings).film;
+    settings.max_depth = 2;
+    const Film two = render(scene, camera, settings).film;
+    SecondBounce out;
+    std::array<double, 4> squares{};
+    for (std::size_t i = 0; i < kPixels; ++i) {
+        const Stokes<double> d = two.at(i, 0).mean + -1.0 * one.at(i, 0).mean;
+        const std::array<double, 4> S{d.s0, d.s1, d.s2, d.s3};
+        for (std::size_t c = 0; c < 4; ++c) out.value[c] += S[c] / kPixels;
+        for (std::size_t c = 0; c < 4; ++c) squares[c] += sqr(S[c]) / kPixels;
+    }
+    for (std::size_t c = 0; c < 4; ++c)
+        out.error[c] = std::sqrt(std::max(0.0, squares[c] - sqr(out.value[c])) / (kPixels - 1));
+    return out;
+}
+
+// Each component of the second bounce within 0.1 % of its S0, with samples enough that this is five
+// standard errors (15 degrees of freedom: false alarms 2e-4 a component).
+void compare_second_bounce(const std::string& name, const Material& paint, const Pair& pair) {
+    constexpr double kTolerance = 1e-3;
+    const reference::Integral expected =
+        reference::corner_second_bounce(pair.seen, pair.other, pair.p, -pair.camera.forward,
+                                        pair.camera.right, smooth_sky(150), 1e-4);
+    const PreparedScene scene(pair.scene, {0, 0}, {paint},
+                              sample_sky(smooth_sky(150), kOne, 360, 1440), kOne);
+    const double whole = expected.value[0];
+    SecondBounce found;
+    std::uint32_t each = 1u << 13;
+    for (; each <= 1u << 19; each *= 2) {
+        found = second_bounce(scene, pair.camera, kReplicates * each);
+        if (5 * *std::max_element(found.error.begin(), found.error.end()) < kTolerance * whole)
+            break;
+    }
+    double worst = 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+        CAPTURE(name, each, c, found.value[c], expected.value[c], found.error[c] / whole);
+        CHECK(5 * found.error[c] < kTolerance * whole);
+        CHECK(expected.error[c] < 1e-4 * whole);
+        CHECK(std::abs(found.value[c] - expected.value[c]) < kTolerance * whole);
+        worst = std::max(worst, std::abs(found.value[c] - expected.value[c]) / whole);
+    }
+    std::ofstream(MALUS_TEST_OUTPUT "/second_bounce.csv", std::ios::app)
+        << name << ',' << 16 * kReplicates * each << ',' << worst << ',' << found.error[0] / whole
+        << '\n';
+}
+
+void compare_first_bounce(const Material& paint, const Pair& pair) {
+    const PreparedScene scene(pair.scene, {0, 0}, {paint},
+                              sample_sky(smooth_sky(150), kOne, 360, 1440), kOne);
+    const reference::Integral expected =
+        reference::corner_first_bounce(pair.seen, pair.other, pair.p, -pair.camera.forward,
+                                       pair.camera.right, smooth_sky(150), 1e-6);
+    RenderSettings settings;
+    settings.width = settings.height = 4, settings.max_depth = 1;
+    Agreement a{};
+    for (settings.spp = 1u << 15; settings.spp <= 1u << 20; settings.spp *= 2) {
+        a = agreement(as_one_pixel(render(scene, pair.camera, settings).film, 0), expected);
+        if (5 * a.noise.stokes < 1e-3) break;
+    }
+    CAPTURE(paint.name, a.stokes, a.noise.stokes, a.reference);
+    CHECK(a.reference < 1e-5);
+    CHECK(5 * a.noise.stokes < 1e-3);  // false alarms under 1e-5: 112 degrees of freedom
+    CHECK(a.stokes < 1e-3);
+}
+
+const Material& rough_facets() {
+    static const Material paint = single_row("facets", {1.5, 0.3, 1, 0.4, 1, 0, 0.02, 0.01});
+    return paint;
+}
+const Material& polished() {
+    static const Material paint = single_row("polished", {1.4, 1.2, 1, 0.3, 0.8, 2, 0, 0});
+    return paint;
 }
 
 }  // namespace
 
-// 24 comparisons of means of 64 pixels: |t| > 4 has probability 1e-4 each.
-TEST_CASE("Corner: depth 2 minus depth 1 is the second bounce integrated independently",
+TEST_CASE("First bounce: a wall takes away the sky it hides, within 0.1 % of quadrature",
           "[render]") {
-    const Material facets = single_row("facets", {1.5, 0.3, 1, 0.4, 1, 0, 0.02, 0.01});
-    const Material polished = single_row("polished", {1.4, 1.2, 1, 0.3, 0.8, 2, 0, 0});
-    compare_corner(facets, {0.2, 0, 0.3}, 40);
-    compare_corner(polished, {-0.1, 0, 0.5}, 55);
-    compare_corner(lambertian(0.6), {0.3, 0, 0.1}, 20);
+    for (const Material* paint : {&rough_facets(), &polished()}) {
+        compare_first_bounce(*paint, corner(*paint, {0.2, 0, 0.3}, 40));
+        compare_first_bounce(*paint, facing(*paint, 0.8, 40));
+    }
+}
+
+TEST_CASE("Second bounce: within 0.1 % of an independent nested integration", "[render]") {
+    const Material matte = lambertian(0.6);
+    compare_second_bounce("corner, polished", polished(), corner(polished(), {-0.1, 0, 0.5}, 55));
+    compare_second_bounce("corner, matte", matte, corner(matte, {0.3, 0, 0.1}, 20));
+    compare_second_bounce("facing, matte", matte, facing(matte, 0.8, 40));
+}
+
+TEST_CASE("Second bounce grid: rough, polished, matte and painted, corner and facing walls",
+          "[.][grid]") {
+    const Material matte = lambertian(0.6);
+    std::ofstream(MALUS_TEST_OUTPUT "/second_bounce.csv") << "pair,samples,worst,error\n";
+    for (const Material* paint :
+         {&rough_facets(), &polished(), &std::as_const(matte), &green_paint(), &black_paint()}) {
+        compare_second_bounce("corner, " + paint->name, *paint, corner(*paint, {0.2, 0, 0.3}, 40));
+        compare_second_bounce("facing, " + paint->name, *paint, facing(*paint, 0.8, 40));
+    }
 }
 
 TEST_CASE("Corner: a wavelength alone is what it is among others, where volume light is clamped",
