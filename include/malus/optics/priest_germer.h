@@ -63,21 +63,19 @@ inline Reflection reflection(const Vec3& n, const Vec3& wi, const Vec3& wo) {
 template <class T>
 T slope_distribution(Slopes slopes, const T& B, const T& sigma, double cos_theta,
                      double tan2_theta) {
-    using std::exp;
     const T s2 = sigma * sigma, tan2 = real<T>(tan2_theta);
     if (slopes == Slopes::kCauchy) return B / (real<T>(cos_theta) * (s2 + tan2));
     // The floor keeps 0/0 away where the exponential has long been 0.
     const double cos3 = std::max(cos_theta * cos_theta * cos_theta, 1e-30);
     const T two_s2 = real<T>(2) * s2;
-    return B * exp(-tan2 / two_s2) / (real<T>(kPi * cos3) * two_s2);
+    return B * decay(-tan2 / two_s2) / (real<T>(kPi * cos3) * two_s2);
 }
 
 /// SO(θ,β) of Priest and Germer.
 template <class T>
 T shadowing(const T& tau, const T& inv_omega, double theta, double beta) {
-    using std::exp;
     const T x = real<T>(theta) * inv_omega;
-    return (real<T>(1) + x * exp(real<T>(-2 * beta) / tau)) / (real<T>(1) + x);
+    return (real<T>(1) + x * decay(real<T>(-2 * beta) / tau)) / (real<T>(1) + x);
 }
 
 /// G of Torrance and Sparrow; keeps the energy of the facets ≤ 1.

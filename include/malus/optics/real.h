@@ -25,4 +25,13 @@ T real(double x) {
         return T(static_cast<typename T::value_type>(x));
 }
 
+/// e^x for x ≤ 0 of any size, −∞ included; 0 where T has no more normal numbers. The vector exp
+/// alone would pass its argument through an integer, an invalid operation out of range.
+template <class T>
+T decay(const T& x) {
+    using std::exp, std::max;
+    const T least = real<T>(std::is_same_v<T, double> ? -708.0 : -87.0);
+    return select(x > least, exp(max(x, least)), real<T>(0));
+}
+
 }  // namespace malus
