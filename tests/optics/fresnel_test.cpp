@@ -109,6 +109,33 @@ TEST_CASE("No contrast: n = 1, k = 0 reflects nothing at any angle") {
     }
 }
 
+TEST_CASE("No contrast: beside n = 1 a facet reflects (ε/2)² at normal incidence") {
+    for (double beside : {1e-12, 1e-6, 1e-3, -1e-12, -1e-6, -1e-3}) {
+        const double n = 1 + beside, epsilon = n - 1;
+        // r = (1 − n)/(1 + n); the numerator is known to 1e-16.
+        CHECK(at(n, 0, 0).a() == Approx(sqr(epsilon / (2 + epsilon))).epsilon(1e-3));
+        CHECK(std::abs(at(n, 0, 0).b()) < 1e-3 * at(n, 0, 0).a() + 1e-30);
+    }
+    // k beside 0: r = −ik/(2 + ik).
+    for (double k : {1e-12, 1e-6, 1e-3})
+        CHECK(at(1, k, 0).a() == Approx(k * k / (4 + k * k)).epsilon(1e-9));
+}
+
+TEST_CASE("Critical angle: total at and beyond it, and short of it by √ of the distance") {
+    const double critical = std::asin(0.8);
+    for (double beside : {0.0, 1e-12, 1e-6, 1e-3}) {
+        const auto beyond = fresnel(0.8, 0.0, std::cos(critical + beside));
+        // At the angle itself rounding may fall to either side.
+        CHECK(beyond.Rs == Approx(1).margin(beside == 0 ? 1e-7 : 1e-14));
+        CHECK(beyond.Rp == Approx(1).margin(beside == 0 ? 1e-7 : 1e-14));
+        // Rs = 1 − 4 g/cosβ + …, g = √(2δ sinβ cosβ): to lowest order in the distance δ.
+        const auto before = fresnel(0.8, 0.0, std::cos(critical - beside));
+        const double g = std::sqrt(2 * beside * 0.8 * 0.6);
+        CHECK(1 - before.Rs == Approx(4 * g / 0.6).epsilon(0.2).margin(1e-7));
+        CHECK(1 - before.Rp == Approx(4 * g / (0.64 * 0.6)).epsilon(0.3).margin(2e-7));
+    }
+}
+
 TEST_CASE("Physicality: a facet never makes light more than fully polarized") {
     for (double n : {0.1, 0.9, 1.0, 1.5, 4.0})
         for (double k : {0.0, 1e-6, 0.3, 10.0})

@@ -7,6 +7,7 @@
 
 #include "support/catch.h"
 #include "support/fixtures.h"
+#include "support/geometries.h"
 #include "support/statistics.h"
 
 using namespace malus;
@@ -29,11 +30,6 @@ Matrix matrix(const BrdfMueller<double>& f) {
 
 PriestGermer<double> facets_only(double n, double k, double B, double sigma) {
     return {n, k, B, sigma, 1, 0, 0, 0};
-}
-
-Vec3 direction_from(double theta_deg, double phi_deg) {
-    const double t = to_radians(theta_deg), p = to_radians(phi_deg);
-    return {std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)};
 }
 
 Vec3 upper_direction(Uniform& u) {
@@ -189,9 +185,10 @@ TEST_CASE("Whole matrix: facet frames and turns agree with an independent deriva
                 for (std::size_t column = 0; column < 4; ++column) {
                     std::array<double, 4> unit{};
                     unit[column] = 1;
-                    const Stokes<double> S = turned(
-                        f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]}, turn_between(in, r.in)),
-                        turn_between(r.out, out));
+                    const Stokes<double> S =
+                        turned(f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]},
+                                          turn_between(in, r.in)),
+                               turn_between(r.out, out));
                     const double scale = 1e-10 * expected[0][0];
                     CHECK(std::abs(S.s0 - expected[0][column]) <= scale);
                     CHECK(std::abs(S.s1 - expected[1][column]) <= scale);
@@ -228,5 +225,44 @@ TEST_CASE("Retro-reflection: the limit holds at the point and beside it") {
         CHECK(std::abs(S.s1 - 0.3 * f) < tolerance);
         CHECK(std::abs(S.s2 + 0.5 * f) < tolerance);
         CHECK(std::abs(S.s3 + 0.2 * f) < tolerance);
+    }
+}
+
+TEST_CASE("Singular geometries: at them and 1e-12, 1e-6, 1e-3 beside, f is the reference's") {
+    std::vector<Material> paints{green_paint(),
+                                 black_paint(),
+                                 green_paint(),
+                                 black_paint(),
+                                 single_row("glass", {1.5, 0, 1, 0.1, 1, 0, 0, 0}),
+                                 single_row("mirror", {0.2, 5, 1, 1e-5, 1, 0, 0, 0}),
+                                 single_row("metal", {0.3, 10, 1, 10, 1, 0, 0, 0})};
+    paints[2].slopes = Slopes::kCauchy;
+    paints[3].attenuation = Attenuation::kTorranceSparrow;
+    for (const Geometry& g : singular_geometries()) {
+        const BeamFrame in{-g.wi, any_perpendicular(g.wi)}, out{g.wo, any_perpendicular(g.wo)};
+        const Reflection r = reflection(kNormal, g.wi, g.wo);
+        for (const Material& paint : paints)
+            for (const MaterialRow& row : paint.rows) {
+                const auto f = eval(row.p, paint.slopes, paint.attenuation, r);
+                const Matrix expected = reference::brdf(reference_paint(paint, row.wavelength_nm),
+                                                        kNormal, g.wi, g.wo, in.x, out.x);
+                // The exponential's argument tan²θ/2σ² is known to 1e-12 of itself or so: a mirror
+                // at grazing has a steep one.
+                const double argument = r.tan2_theta / (2 * sqr(row.p.sigma));
+                const double scale = (1e-10 + 1e-11 * argument) * expected[0][0] + 1e-290;
+                CAPTURE(g.name, g.beside, paint.name, row.wavelength_nm, expected[0][0]);
+                for (std::size_t column = 0; column < 4; ++column) {
+                    std::array<double, 4> unit{};
+                    unit[column] = 1;
+                    const Stokes<double> S =
+                        turned(f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]},
+                                          turn_between(in, r.in)),
+                               turn_between(r.out, out));
+                    CHECK(std::abs(S.s0 - expected[0][column]) <= scale);
+                    CHECK(std::abs(S.s1 - expected[1][column]) <= scale);
+                    CHECK(std::abs(S.s2 - expected[2][column]) <= scale);
+                    CHECK(std::abs(S.s3 - expected[3][column]) <= scale);
+                }
+            }
     }
 }
