@@ -261,3 +261,27 @@ TEST_CASE("Scale: a feature of 1 mm on a ground of 10 km", "[render]") {
     CHECK(film.instance[3 * 8 + 4] == 1);
     CHECK(film.instance[7 * 8 + 4] == 0);
 }
+
+TEST_CASE("Refusals: a sample that overflows is left out, counted, and named by its pixel",
+          "[render]") {
+    // A sky of 1e38, which no file can have, in a mirror whose f is 1e11 at its peak.
+    const Sky sky = sample_sky(reference::uniform_sky(1e38), kOne, 9, 36);
+    const Material mirror = single_row("mirror", {0.2, 5, 1, 1e-6, 1, 0, 0.1, 0});
+    const PreparedScene scene(panel_scene(), {0}, {mirror}, sky, kOne);
+    RenderSettings settings;
+    settings.width = 4, settings.height = 3, settings.spp = 16;
+    const RenderResult result = render(scene, look_at({0, 0, 0}, 40, 70, 0.01), settings);
+    CHECK(result.refused > 0);
+    std::uint64_t kept = 0;
+    for (std::uint32_t n : result.film.samples) kept += n;
+    CHECK(kept + result.refused == 4u * 3u * 16u);
+    REQUIRE(result.first_refused.size() == std::min<std::size_t>(result.refused, 16));
+    for (const RefusedSample& r : result.first_refused) {
+        CHECK((r.x >= 0 && r.x < 4 && r.y >= 0 && r.y < 3));
+        CHECK((r.replicate < kReplicates && r.sample < 2));
+        // The pixel named is one that lacks samples.
+        const auto index = static_cast<std::size_t>(r.y * 4 + r.x);
+        CHECK(result.film.samples[index] < 16);
+    }
+    for (const PixelStokes& pixel : result.film.stokes) CHECK(std::isfinite(pixel.mean.s0));
+}
