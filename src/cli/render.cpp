@@ -163,19 +163,12 @@ Labels make_labels(const Scene& scene, const std::vector<Material>& materials,
     return labels;
 }
 
-// Samples that were kept out are said even in a quiet run: numbers may be missing.
-void tell_refused(const RenderStats& stats, const RenderResult& result) {
-    const RefusedSample& r = result.first_refused.front();
-    std::cerr << "malus: warning: " << result.refused << " of " << result.paths
-              << " samples were not finite or negative and were left out; first at pixel (" << r.x
-              << ',' << r.y << "), replicate " << r.replicate << ", sample " << r.sample
-              << ", seed " << stats.seed << "; please report it with the scene\n";
-}
-
 // What a person wants to know when it is done, on one line.
 void tell_result(const RenderOptions& options, const RenderStats& stats,
                  const RenderResult& result) {
-    if (result.refused > 0) tell_refused(stats, result);
+    // Said even in a quiet run: numbers may be missing.
+    if (result.refused > 0)
+        std::cerr << "malus: warning: " << refusal_warning(result, stats.seed) << '\n';
     if (options.quiet) return;
     std::string errors;
     for (std::size_t w = 0; w < result.film.wavelengths_nm.size(); ++w) {

@@ -38,6 +38,15 @@ double peak_memory_mib() {
     return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+std::string refusal_warning(const RenderResult& result, std::uint64_t seed) {
+    const RefusedSample& r = result.first_refused.front();
+    return std::to_string(result.refused) + " of " + std::to_string(result.paths) +
+           " samples were not finite or negative and were left out; first at pixel (" +
+           std::to_string(r.x) + ',' + std::to_string(r.y) + "), replicate " +
+           std::to_string(r.replicate) + ", sample " + std::to_string(r.sample) + ", seed " +
+           std::to_string(seed) + "; please report it with the scene";
+}
+
 void write_stats(const std::filesystem::path& path, const RenderStats& stats,
                  const RenderResult& result) {
     using Json = nlohmann::ordered_json;

@@ -127,3 +127,21 @@ TEST_CASE("Stats: errors are summarized over the pixels that show a surface") {
     CHECK(error.rms_dolp == Approx(0.05 * std::sqrt((sqr(wider(0.01)) + sqr(wider(0.04))) / 2)));
     CHECK(error.p95_dolp == Approx(0.05 * wider(0.01)));
 }
+
+TEST_CASE("Stats: refused samples are told with pixel and seed") {
+    RenderResult result;
+    result.film = Film(8, 8, {550});
+    result.refused = 3, result.paths = 640;
+    result.first_refused = {{5, 7, 2, 11}, {6, 7, 0, 1}, {6, 7, 0, 2}};
+    CHECK_THAT(refusal_warning(result, 42),
+               Contains("3 of 640 samples") && Contains("pixel (5,7)") &&
+                   Contains("replicate 2, sample 11") && Contains("seed 42"));
+    const TempFolder folder;
+    RenderStats stats;
+    stats.seed = 42;
+    write_stats(folder / "stats.json", stats, result);
+    const std::string json = read_text(folder / "stats.json");
+    CHECK_THAT(json, Contains("\"rejected_samples\": 3") && Contains("\"seed\": 42") &&
+                         Contains("\"x\": 5") && Contains("\"y\": 7") &&
+                         Contains("\"replicate\": 2") && Contains("\"sample\": 11"));
+}

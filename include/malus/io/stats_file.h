@@ -30,6 +30,9 @@ struct RenderStats {
     double load_s = 0, build_s = 0, render_s = 0, write_s = 0;
 };
 
+/// What to tell a user whose render refused samples: how many, and the first with pixel and seed.
+std::string refusal_warning(const RenderResult& result, std::uint64_t seed);
+
 /// Largest resident size of this process so far, MiB.
 double peak_memory_mib();
 
