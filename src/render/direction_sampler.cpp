@@ -158,8 +158,12 @@ DirectionSampler::Shares DirectionSampler::shares_for(std::span<const PriestGerm
         if (parts.volume > 0) add(shares.volume, parts.volume / whole);
         if (parts.facets > 0) add(shares.lobe[lobe_of(p.sigma)], parts.facets / whole);
     }
-    double sum = shares.volume = std::sqrt(shares.volume);
-    for (double& share : shares.lobe) sum += share = std::sqrt(share);
+    shares.volume = std::sqrt(shares.volume);
+    double sum = shares.volume;
+    for (double& share : shares.lobe) {
+        share = std::sqrt(share);
+        sum += share;
+    }
     if (!(sum > 0)) return {1, {}};
     shares.volume /= sum;
     for (double& share : shares.lobe) share /= sum;

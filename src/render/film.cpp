@@ -20,8 +20,8 @@ double widening(const PixelStokes& pixel) {
     return m < 2 ? HUGE_VAL : std::sqrt((R - 1) / R * m / (m - 1));
 }
 
-// A mean of light is light, but the sum of many samples in floats may leave |(S1,S2,S3)| above S0 by
-// some roundings, and so may storing it in floats. What exceeds S0 by more is left for all to see.
+// A mean of light is light, but samples are floats, and |(S1,S2,S3)| may exceed S0 by some of their
+// roundings; so may what is stored in floats. What exceeds S0 by more is left for all to see.
 Stokes<double> held_physical(const Stokes<double>& S) {
     constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
     const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;

@@ -71,7 +71,8 @@ class PixelAccumulator {
     void add_surface(int instance, double distance);  ///< of a sample that met a surface
     void add_sky();                                   ///< of a sample that did not
     void end_replicate();
-    /// Mean and covariance over the replicates. |(S1,S2,S3)| ≤ S0, also as floats.
+    /// Mean and covariance over the replicates. What rounding put above |(S1,S2,S3)| = S0 is taken
+    /// back, so that it holds also when stored as floats.
     void develop(Film& film, std::size_t pixel) const;
 
   private:
