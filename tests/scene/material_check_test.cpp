@@ -64,7 +64,7 @@ TEST_CASE("Reflectance: bare perfect facets exceed 1 at grazing, attenuated ones
 TEST_CASE("Rules: the published rows' faults are found and named") {
     // Green 550 nm as printed: f00 < 0 in 96.4 % of directions, worked out apart.
     const RowCheck green = check_row(green_paint(), green_paint().rows[1]);
-    CHECK(green.share_negative == Approx(0.964).margin(0.01));
+    CHECK(green.share_negative == near(0.964, 0.01));
     CHECK_THAT(all_of(verdicts(green_paint(), green)), Contains("negative in 96 %"));
     const RowCheck black = check_row(black_paint(), black_paint().rows[0]);
     CHECK(black.share_negative == 0);

@@ -8,3 +8,8 @@ using Catch::Approx;
 #else
 #include <catch2/catch.hpp>
 #endif
+
+/// Equal within `margin`, and no more: Approx by itself also allows 1.2e-5 of the value.
+inline Approx near(double value, double margin) {
+    return Approx(value).epsilon(0).margin(margin);
+}

@@ -43,6 +43,26 @@ Material single_row(const std::string& name, const PriestGermer<double>& p, Slop
     return material;
 }
 
+const std::vector<Material>& varied_paints() {
+    static const std::vector<Material> list = [] {
+        std::vector<Material> all{green_paint(), black_paint(), green_paint(), black_paint()};
+        all[2].slopes = Slopes::kCauchy;
+        all[3].attenuation = Attenuation::kTorranceSparrow;
+        const auto ts = Attenuation::kTorranceSparrow;
+        all.push_back(single_row("glass", {1.5, 0, 1, 0.1, 1, 0, 0, 0}));
+        all.push_back(single_row("mirror", {0.2, 5, 1, 1e-5, 1, 0, 0, 0}));
+        all.push_back(single_row("brush", {0.3, 10, 1, 10, 1, 0, 0, 0}, Slopes::kGaussian, ts));
+        all.push_back(single_row("bubble", {0.8, 0, 1, 0.3, 0.5, 2, 0.01, 0}));
+        all.push_back(single_row("air", {1, 0, 1, 0.3, 1, 0, 0.02, 0}));
+        all.push_back(single_row("nearly air", {1 + 1e-6, 0, 1, 0.3, 1, 0, 0, 0}));
+        all.push_back(single_row("turning", {1.4, 0.1, 0.2, 0.2, 1, 0, 0.02, -0.015}));
+        all.push_back(
+            single_row("Cauchy metal", {1.2, 6, 0.5, 0.2, 1, 0, 0, 0}, Slopes::kCauchy, ts));
+        return all;
+    }();
+    return list;
+}
+
 reference::Paint reference_paint(const Material& material, double wavelength_nm) {
     const PriestGermer<double> p = parameters_at(material, wavelength_nm);
     reference::Paint paint;

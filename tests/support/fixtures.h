@@ -22,6 +22,10 @@ Material single_row(const std::string& name, const PriestGermer<double>& p,
                     Slopes slopes = Slopes::kGaussian,
                     Attenuation attenuation = Attenuation::kNone);
 
+/// Paints from one end of the model to the other: the two published ones, with Cauchy slopes, with
+/// attenuation; glass, mirrors, a brush, n below and at 1, k = 10, a volume term that changes sign.
+const std::vector<Material>& varied_paints();
+
 /// The same paint for the reference integrator, at one wavelength.
 reference::Paint reference_paint(const Material& material, double wavelength_nm);
 

@@ -42,4 +42,10 @@ std::vector<Geometry> singular_geometries() {
     return all;
 }
 
+double facet_strength(const Material& paint, const MaterialRow& row, const Reflection& r) {
+    PriestGermer<double> perfect = row.p;
+    perfect.n = 1, perfect.k = 1e9;
+    return eval(perfect, paint.slopes, paint.attenuation, r).facet.a();
+}
+
 }  // namespace malus

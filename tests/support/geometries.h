@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "malus/core/vec.h"
+#include "malus/scene/material.h"
 
 namespace malus {
 
@@ -23,5 +24,8 @@ struct Geometry {
 /// normal, Brewster's angle of n = 1.5, grazing), at the point and with the light 1e-12, 1e-6 and
 /// 1e-3 rad beside it in three directions.
 std::vector<Geometry> singular_geometries();
+
+/// P SO G/(4 cosθi cosθo): what f would be with perfectly reflecting facets, sr⁻¹.
+double facet_strength(const Material& paint, const MaterialRow& row, const Reflection& r);
 
 }  // namespace malus

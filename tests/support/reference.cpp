@@ -87,8 +87,10 @@ Vec3 meridian_axis(Vec3 w) {
 // ---- The reflection model -----------------------------------------------------------------------
 
 FresnelAmplitudes fresnel(std::complex<double> index, double cos_beta) {
-    const double sin2_beta = (1 - cos_beta) * (1 + cos_beta);
-    const std::complex<double> cos_t = std::sqrt(1.0 - sin2_beta / (index * index));
+    // N² − sin²β without cancelling at grazing, and with the imaginary part +0 for k = 0, so that a
+    // totally reflecting facet gets the decaying wave; 1 − sin²β/N² has −0 and the other branch.
+    const std::complex<double> radicand = (index - 1.0) * (index + 1.0) + cos_beta * cos_beta;
+    const std::complex<double> cos_t = std::sqrt(radicand) / index;
     return {(cos_beta - index * cos_t) / (cos_beta + index * cos_t),
             (index * cos_beta - cos_t) / (index * cos_beta + cos_t)};
 }
