@@ -4,8 +4,10 @@
 // A picture of two pixels, both of the same radiance, is rendered with ever more samples until
 // five of its standard errors fit into the tolerances; then it must be within them. The sky is a
 // map of 0.25°, whose bilinear cells are off by about 1e-5 (h²/8 of the second derivative).
-// False alarms: noise alone leaves five standard errors with probability 2e-4 (16 replicates in
-// two pixels: t with 14 degrees), and most cases end far inside them.
+// False alarms: noise alone leaves five standard errors with probability 2e-4 a number (16 replicates
+// in two pixels: t with 14 degrees). The last step of samples ends inside the tolerances by a factor of
+// 1 to 3, so the 216 numbers of every run fail with less than 4 %, the grid's 8064 with fewer than 1.6
+// alarms; a fixed seed keeps the outcome.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>

@@ -19,7 +19,7 @@ const std::vector<double> kOne{550};
 constexpr std::array<double, 4> kBeside{0, 1e-12, 1e-6, 1e-3};  // rad
 
 PixelStokes render_mean(const Scene& scene, const Material& paint, const Sky& sky,
-                        const Camera& camera, std::uint32_t spp = 512) {
+                        const Camera& camera, std::uint32_t spp = 2048) {
     const PreparedScene prepared(scene, std::vector<int>(scene.instances.size(), 0), {paint}, sky,
                                  kOne);
     RenderSettings settings;
@@ -42,7 +42,7 @@ void compare_panel(const Material& paint, double view_zenith, double view_azimut
         reference_paint(paint, 550), {0, 1, 0}, -camera.forward, camera.right, light, 1e-6);
     const Agreement a = agreement(found, expected);
     CAPTURE(paint.name, view_zenith, view_azimuth, sun.x, sun.y, sun.z, a.noise.stokes);
-    CHECK(a.noise.stokes < 0.01);
+    CHECK(a.noise.stokes < 1e-3);
     CHECK(a.stokes < 4 * a.noise.stokes + 3e-4);
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("Fireflies: a mirror shows a pixel of 1e6 at its full radiance", "[ren
     sky.nodes[z0 * 360 + a0] = {1e6, 0, 0, 0};
     const Material mirror = single_row("mirror", {0.2, 5, 1, 1e-5, 1, 0, 0, 0});
     const double zenith = sky.zeniths[z0], step = to_radians(1);
-    const double R = fresnel(0.2, 5.0, std::cos(zenith)).a();
+    const double R = reference::facet(reference_paint(mirror, 550), std::cos(zenith))[0][0];
     for (double beside : {0.0, 1e-3, 0.5 * step}) {
         // Seen from across: light of azimuth a leaves toward a + 180°.
         const Camera camera = look_at({0, 0, 0}, to_degrees(zenith),
@@ -196,11 +196,15 @@ TEST_CASE("Float exceptions: no invalid operation or division by zero in a rende
     RenderSettings settings;
     settings.width = settings.height = 16, settings.spp = 64, settings.max_depth = 4;
     settings.threads = 1;
+    constexpr int kTraps = FE_INVALID | FE_DIVBYZERO;
+    int armed = 0;  // where pixels are made
+    settings.progress = [&](double) { armed = ::fegetexcept(); };
     const auto trapped_render = [&](const PreparedScene& scene, const Camera& camera) {
         std::feclearexcept(FE_ALL_EXCEPT);
-        ::feenableexcept(FE_INVALID | FE_DIVBYZERO);
+        REQUIRE(::feenableexcept(kTraps) != -1);
         const RenderResult result = render(scene, camera, settings);
-        ::fedisableexcept(FE_INVALID | FE_DIVBYZERO);
+        ::fedisableexcept(kTraps);
+        CHECK(armed == kTraps);
         CHECK(result.refused == 0);
         CHECK(result.paths == 16u * 16u * 64u);
     };
