@@ -132,6 +132,20 @@ Stokes<double> SkyDome::interpolated(const Sky& sky, std::size_t w, std::size_t 
            column.t * carried(sky.at(w, row, column.right), column.from_right);
 }
 
+// What the two lowest rows of the map say of the horizon below them: the line through them, where it
+// stays light and within a factor of 2 of the last row (rows may end beside a cloud), else the last.
+Stokes<double> SkyDome::at_horizon(const Sky& sky, std::size_t w, const Column& column) {
+    const std::size_t last = sky.zeniths.size() - 1;
+    const Stokes<double> S = interpolated(sky, w, last, column);
+    if (last == 0) return S;
+    const double step = sky.zeniths[last] - sky.zeniths[last - 1];
+    const double t = (kPi / 2 - sky.zeniths[last]) / step;
+    const Stokes<double> above = interpolated(sky, w, last - 1, column);
+    const Stokes<double> line = (1 + t) * S + -t * above;
+    const bool near = t <= 1 && line.s0 >= 0.5 * S.s0 && line.s0 <= 2 * S.s0;
+    return near && std::hypot(line.s1, line.s2, line.s3) <= line.s0 ? line : S;
+}
+
 void SkyDome::store(std::size_t row, std::size_t column, std::size_t w, const Stokes<double>& S) {
     float* at = &data_[(row * (azimuth_.cells() + 1) + column) * 4 * wavelength_count_ + w];
     at[0] = static_cast<float>(S.s0);
@@ -144,6 +158,7 @@ void SkyDome::fill_nodes(const Sky& sky, const std::vector<Column>& columns,
                          std::span<const std::size_t> which) {
     const std::size_t rows = zenith_.cells() + 1;
     const bool pole_added = sky.zeniths.front() > 0;
+    const bool horizon_added = sky.zeniths.back() < kPi / 2;
     data_.assign(rows * columns.size() * 4 * wavelength_count_ + kPadding, 0.0f);
     for (std::size_t w = 0; w < which.size(); ++w) {
         Stokes<double> pole;
@@ -155,7 +170,10 @@ void SkyDome::fill_nodes(const Sky& sky, const std::vector<Column>& columns,
                 const double a = columns[c].azimuth;
                 const Turn turn{std::cos(2 * a), -std::sin(2 * a)};
                 const Stokes<double> S =
-                    turned(interpolated(sky, which[w], file_row, columns[c]), turn);
+                    turned(horizon_added && row + 1 == rows
+                               ? at_horizon(sky, which[w], columns[c])
+                               : interpolated(sky, which[w], file_row, columns[c]),
+                           turn);
                 store(row, c, w, S);
                 if (row > 0 || c + 1 == columns.size()) continue;
                 // In the fixed frame all azimuths of the zenith are one direction: their mean.

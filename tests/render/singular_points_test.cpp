@@ -102,9 +102,6 @@ TEST_CASE("Sun at the zenith, at the horizon and across the azimuth seam, and be
 TEST_CASE("Sky seen straight up and across the azimuth seam, and beside", "[render]") {
     const auto light = smooth_sky(37);
     const Sky on_axes = sample_on_axes(light), beside_axes = sample_sky(light, kOne, 90, 360);
-    // Where a map has no node on the horizon, its last half row is as its last row says.
-    for (double beside : kBeside)
-        compare_sky(on_axes, light, direction(kPi / 2 - 1e-9 - beside, 3));
     for (const Sky& sky : {beside_axes, on_axes})
         for (double beside : kBeside) {
             for (double azimuth : {0.0, 1.0, 4.0})
@@ -113,6 +110,7 @@ TEST_CASE("Sky seen straight up and across the azimuth seam, and beside", "[rend
                 compare_sky(sky, light, direction(zenith, beside));
                 compare_sky(sky, light, direction(zenith, -beside));
             }
+            compare_sky(sky, light, direction(kPi / 2 - 1e-9 - beside, 3));
         }
 }
 

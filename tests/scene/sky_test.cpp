@@ -100,6 +100,26 @@ TEST_CASE("Sky map: below the horizon it is black") {
     CHECK(dome.locate({0, -1, 0}).pdf == 0);
 }
 
+TEST_CASE("Sky map: toward the horizon it goes on as its last two rows, and never out of light") {
+    // Rows at 75° and 85°; the horizon is half a step on.
+    const auto horizon = [](const Stokes<double>& above, const Stokes<double>& last) {
+        Sky sky;
+        sky.wavelengths_nm = kOne;
+        sky.zeniths = {to_radians(75), to_radians(85)};
+        sky.azimuths = {0};
+        sky.nodes = {above, last};
+        const Vec3 w = direction(kPi / 2, 0);
+        return measured_in(Beam<double>{SkyDome(sky, kOne).radiance(w, 0), fixed_frame(w)},
+                           meridian_frame(w))
+            .stokes;
+    };
+    CHECK(distance(horizon({2, 0.4, 0.2, 0}, {3, 0.8, 0.1, 0}), {3.5, 1.0, 0.05, 0}) < 1e-6);
+    // Past half and double, and where more would be polarized than there is: as the last row.
+    CHECK(distance(horizon({9, 0, 0, 0}, {3, 0.8, 0, 0}), {3, 0.8, 0, 0}) < 1e-6);
+    CHECK(distance(horizon({3, 0.1, 0, 0}, {2, 1.9, 0, 0}), {2, 1.9, 0, 0}) < 1e-6);
+    CHECK(distance(horizon({0, 0, 0, 0}, {0, 0, 0, 0}), {0, 0, 0, 0}) == 0);
+}
+
 TEST_CASE("Sky map: one pixel is a uniform sky") {
     Sky sky = sample_sky(reference::uniform_sky(2.5), kOne, 1, 1);
     const SkyDome dome(sky, kOne);

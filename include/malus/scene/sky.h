@@ -5,6 +5,7 @@
 //         so SkyDome turns every node by its azimuth into a frame that does not (Ludwig's third
 //         definition, IEEE Trans. AP-21, 116 (1973)) before it interpolates. Where a map's azimuths
 //         are far apart it first adds some between, carried along the circle of their zenith angle.
+//         Where its rows end above the horizon it continues the line of the last two.
 // Units   W m⁻² sr⁻¹ nm⁻¹, nm; zenith and azimuth in radians, azimuth clockwise from north.
 // Below the horizon the sky is black.
 // SPDX-License-Identifier: Apache-2.0
@@ -105,6 +106,7 @@ class SkyDome {
     static std::vector<Column> columns_of(const Sky& sky);
     static Stokes<double> interpolated(const Sky& sky, std::size_t w, std::size_t row,
                                        const Column& column);
+    static Stokes<double> at_horizon(const Sky& sky, std::size_t w, const Column& column);
 
     // Ascending coordinates with a guide table, so that a search takes constant time.
     class Axis {
