@@ -155,10 +155,10 @@ TEST_CASE("Second bounce: within 0.1 % of an independent nested integration", "[
     std::ofstream csv(MALUS_TEST_OUTPUT "/second_bounce.csv");
     csv << kBounceColumns;
     const Material matte = lambertian(0.6);
-    compare_second_bounce("corner, polished", polished(), corner(polished(), {-0.1, 0, 0.5}, 55),
+    compare_second_bounce("corner polished", polished(), corner(polished(), {-0.1, 0, 0.5}, 55),
                           csv);
-    compare_second_bounce("corner, matte", matte, corner(matte, {0.3, 0, 0.1}, 20), csv);
-    compare_second_bounce("facing, matte", matte, facing(matte, 0.8, 40), csv);
+    compare_second_bounce("corner matte", matte, corner(matte, {0.3, 0, 0.1}, 20), csv);
+    compare_second_bounce("facing matte", matte, facing(matte, 0.8, 40), csv);
 }
 
 TEST_CASE("Second bounce grid: rough, polished, matte and painted, corner and facing walls",
@@ -166,11 +166,12 @@ TEST_CASE("Second bounce grid: rough, polished, matte and painted, corner and fa
     const Material matte = lambertian(0.6);
     std::ofstream csv(MALUS_TEST_OUTPUT "/second_bounce_grid.csv");
     csv << kBounceColumns;
+    // Between the walls the detector looks up, so that mirror-like lobes lead to the sky, too.
     for (const Material* paint :
          {&rough_facets(), &polished(), &std::as_const(matte), &green_paint(), &black_paint()}) {
-        compare_second_bounce("corner, " + paint->name, *paint, corner(*paint, {0.2, 0, 0.3}, 40),
+        compare_second_bounce("corner " + paint->name, *paint, corner(*paint, {0.2, 0, 0.3}, 40),
                               csv);
-        compare_second_bounce("facing, " + paint->name, *paint, facing(*paint, 0.8, 40), csv);
+        compare_second_bounce("facing " + paint->name, *paint, facing(*paint, 0.35, 125), csv);
     }
 }
 
