@@ -91,8 +91,8 @@ TEST_CASE("Sky CSV: each mistake is one line with the row") {
 
 TEST_CASE("Sky EXR: what is written is what is read, sun included") {
     const TempFolder folder;
-    RayleighSky model;
-    Sky sky = make_rayleigh_sky(model, std::vector<double>{440, 600}, 9, 12);
+    ClearSky model;
+    Sky sky = make_clear_sky(model, std::vector<double>{440, 600}, 9, 12);
     sky.sun->irradiance = {1.5, 1.25};
     write_sky(folder / "sky.exr", sky, {{"skyModel", "test"}});
     const Sky back = read_sky(folder / "sky.exr");
@@ -143,7 +143,7 @@ TEST_CASE("Sky EXR: channel names of other writers and their errors") {
 
 TEST_CASE("Sky EXR: a file cut off anywhere is refused, never half read") {
     const TempFolder folder;
-    write_sky(folder / "sky.exr", make_rayleigh_sky({}, std::vector<double>{440}, 9, 12), {});
+    write_sky(folder / "sky.exr", make_clear_sky({}, std::vector<double>{440}, 9, 12), {});
     const std::string whole = read_text(folder / "sky.exr");
     for (std::size_t length = 0; length + 1 < whole.size(); length += 97) {
         write_text(folder / "cut.exr", whole.substr(0, length));
