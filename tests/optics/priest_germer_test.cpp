@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "malus/optics/priest_germer.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "support/catch.h"
 #include "support/fixtures.h"
 #include "support/geometries.h"
@@ -39,18 +36,30 @@ Vec3 upper_direction(Uniform& u) {
 
 const Vec3 kNormal{0, 0, 1};
 
+// f between frames, column by column, against a 4×4 matrix.
+void compare(const BrdfMueller<double>& f, const Turn& in, const Turn& out, const Matrix& expected,
+             double tolerance) {
+    for (std::size_t column = 0; column < 4; ++column) {
+        std::array<double, 4> unit{};
+        unit[column] = 1;
+        const Stokes<double> S =
+            turned(f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]}, in), out);
+        CHECK(std::abs(S.s0 - expected[0][column]) <= tolerance);
+        CHECK(std::abs(S.s1 - expected[1][column]) <= tolerance);
+        CHECK(std::abs(S.s2 - expected[2][column]) <= tolerance);
+        CHECK(std::abs(S.s3 - expected[3][column]) <= tolerance);
+    }
+}
+
 }  // namespace
 
 TEST_CASE("Priest-Germer: the whole Mueller matrix is that of NIST SCATMECH 7") {
     // Columns and conventions: header of the file. Its S3 has the other sign, f = B cosθ f_csv.
-    std::ifstream in(MALUS_SOURCE_DIR "/tests/data/scatmech_facet_sample.csv");
-    REQUIRE(in);
-    int rows = 0;
-    for (std::string line; std::getline(in, line);) {
-        if (line.empty() || line[0] == '#' || line[0] == 'n') continue;
+    const auto rows = table_rows("scatmech_facet_sample.csv");
+    CHECK(rows.size() >= 36);
+    for (const auto& cells : rows) {
         std::vector<double> x;
-        std::istringstream cells(line);
-        for (std::string cell; std::getline(cells, cell, ',');) x.push_back(std::stod(cell));
+        for (const std::string& cell : cells) x.push_back(std::stod(cell));
         REQUIRE(x.size() == 25);
         const double n = x[0], k = x[1], sigma = x[2];
         const Vec3 wi = -Vec3{std::sin(to_radians(x[3])), 0, -std::cos(to_radians(x[3]))};
@@ -62,12 +71,10 @@ TEST_CASE("Priest-Germer: the whole Mueller matrix is that of NIST SCATMECH 7") 
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = 0; j < 4; ++j) {
                 const double flip = (i == 3) != (j == 3) ? -1 : 1;
-                CAPTURE(line, i, j);
+                CAPTURE(cells, i, j);
                 CHECK(std::abs(f[i][j] - flip * r.cos_theta * x[9 + 4 * i + j]) <= 1e-10 * m00);
             }
-        ++rows;
     }
-    CHECK(rows >= 36);
 }
 
 TEST_CASE("Slopes: the Gaussian distribution of facets integrates to B for every row") {
@@ -188,20 +195,9 @@ TEST_CASE("Whole matrix: facet frames and turns agree with an independent deriva
                 const auto f = eval(row.p, paint->slopes, paint->attenuation, r);
                 const Matrix expected = reference::brdf(reference_paint(*paint, row.wavelength_nm),
                                                         n, wi, wo, in.x, out.x);
-                for (std::size_t column = 0; column < 4; ++column) {
-                    std::array<double, 4> unit{};
-                    unit[column] = 1;
-                    const Stokes<double> S =
-                        turned(f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]},
-                                          turn_between(in, r.in)),
-                               turn_between(r.out, out));
-                    // 1e-300: where double runs out of normal numbers.
-                    const double scale = 1e-10 * expected[0][0] + 1e-300;
-                    CHECK(std::abs(S.s0 - expected[0][column]) <= scale);
-                    CHECK(std::abs(S.s1 - expected[1][column]) <= scale);
-                    CHECK(std::abs(S.s2 - expected[2][column]) <= scale);
-                    CHECK(std::abs(S.s3 - expected[3][column]) <= scale);
-                }
+                // 1e-300: where double runs out of normal numbers.
+                compare(f, turn_between(in, r.in), turn_between(r.out, out), expected,
+                        1e-10 * expected[0][0] + 1e-300);
             }
 }
 
@@ -253,18 +249,7 @@ TEST_CASE("Singular geometries: at them and 1e-12, 1e-6, 1e-3 beside, f is the r
                                      1e-15 * std::sqrt(strength * expected[0][0]) +
                                      1e-30 * strength + 1e-300;
                 CAPTURE(g.name, g.beside, paint.name, row.wavelength_nm, expected[0][0]);
-                for (std::size_t column = 0; column < 4; ++column) {
-                    std::array<double, 4> unit{};
-                    unit[column] = 1;
-                    const Stokes<double> S =
-                        turned(f * turned(Stokes<double>{unit[0], unit[1], unit[2], unit[3]},
-                                          turn_between(in, r.in)),
-                               turn_between(r.out, out));
-                    CHECK(std::abs(S.s0 - expected[0][column]) <= scale);
-                    CHECK(std::abs(S.s1 - expected[1][column]) <= scale);
-                    CHECK(std::abs(S.s2 - expected[2][column]) <= scale);
-                    CHECK(std::abs(S.s3 - expected[3][column]) <= scale);
-                }
+                compare(f, turn_between(in, r.in), turn_between(r.out, out), expected, scale);
             }
     }
 }

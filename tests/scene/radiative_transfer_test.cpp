@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/radiative_transfer.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "malus/scene/sky.h"
 #include "support/catch.h"
+#include "support/fixtures.h"
 
 using namespace malus;
 
@@ -67,25 +65,19 @@ RayleighLayer air_at(double nm, double albedo) {
 }  // namespace
 
 TEST_CASE("Transfer: I, Q and U of Natraj, Li and Yung, to 1e-7 for a sun of irradiance π") {
-    std::ifstream in(MALUS_SOURCE_DIR "/tests/data/natraj2009_sample.csv");
-    REQUIRE(in);
-    int rows = 0;
-    for (std::string line; std::getline(in, line);) {
-        std::vector<std::string> cell;
-        std::istringstream cells(line);
-        for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
-        if (cell.size() != 9 || cell[0] != "DN") continue;
+    const auto rows = table_rows("natraj2009_sample.csv");
+    REQUIRE(rows.size() == 60);
+    for (const auto& cell : rows) {
+        REQUIRE(cell.size() == 9);
         const RayleighLayer air{std::stod(cell[1]), 0, std::stod(cell[2])};
         // Their azimuth is anticlockwise; S1 = −Q, S2 = U.
         const Stokes<double> S =
             light(air, std::stod(cell[3]), std::stod(cell[4]), -std::stod(cell[5]));
-        CAPTURE(line);
+        CAPTURE(cell);
         CHECK(kPi * S.s0 == near(std::stod(cell[6]), 1e-7));
         CHECK(kPi * S.s1 == near(-std::stod(cell[7]), 1e-7));
         CHECK(kPi * S.s2 == near(std::stod(cell[8]), 1e-7));
-        ++rows;
     }
-    CHECK(rows == 60);
 }
 
 TEST_CASE("Transfer: depolarizing air as PSTAR has it, within 2e-6") {

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "malus/scene/sky.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "malus/core/error.h"
 #include "malus/core/frame.h"
 #include "support/catch.h"
@@ -195,19 +192,15 @@ TEST_CASE("Clear sky: the stated largest DoLP, near 90° from the sun, horizonta
 }
 
 TEST_CASE("Clear sky: the map has the angles of an exact solution, azimuths in its own sense") {
-    // Natraj, Li & Yung (2009), τ = 0.05, which air has at 647.4 nm, over black ground; no
-    // depolarization there; ρ takes (1 − ρ)/(1 + ρ) of what is scattered once. Anticlockwise from the sun's azimuth is less azimuth for us.
+    // Natraj, Li & Yung (2009), τ = 0.05, which air has at 647.4 nm, over black ground, without
+    // depolarization: ρ leaves (1 − ρ)/(1 + ρ) of the DoLP of what is scattered once. Anticlockwise
+    // from the sun's azimuth is less azimuth for us.
     CHECK(rayleigh_optical_depth(647.4) == near(0.05, 1e-4));
     const std::vector<double> red{647.4};
     const double rho = rayleigh_depolarization(647.4);
-    std::ifstream in(MALUS_SOURCE_DIR "/tests/data/natraj2009_sample.csv");
-    REQUIRE(in);
     int compared = 0;
-    for (std::string line; std::getline(in, line);) {
-        std::vector<std::string> cell;
-        std::istringstream cells(line);
-        for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
-        if (cell.size() != 9 || cell[1] != "0.05" || cell[2] != "0.0") continue;
+    for (const auto& cell : table_rows("natraj2009_sample.csv")) {
+        if (cell[1] != "0.05" || cell[2] != "0.0") continue;
         const double mu0 = std::stod(cell[3]), mu = std::stod(cell[4]);
         const double phi = to_radians(std::stod(cell[5]));
         const Stokes<double> theirs{std::stod(cell[6]), -std::stod(cell[7]), std::stod(cell[8]), 0};
@@ -220,7 +213,7 @@ TEST_CASE("Clear sky: the map has the angles of an exact solution, azimuths in i
         const Stokes<double> ours =
             measured_in(Beam<double>{dome.radiance(w, 0), fixed_frame(w)}, meridian_frame(w))
                 .stokes;
-        CAPTURE(line);
+        CAPTURE(cell);
         CHECK(std::abs(std::sin(aolp(ours) - aolp(theirs))) < std::sin(to_radians(1)));
         CHECK(dolp(ours) == near((1 - rho) / (1 + rho) * dolp(theirs), 0.01));
         ++compared;

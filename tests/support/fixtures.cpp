@@ -4,6 +4,10 @@
 
 #include <unistd.h>
 
+#include <fstream>
+#include <sstream>
+#include <utility>
+
 #include "malus/core/frame.h"
 #include "malus/io/material_file.h"
 #include "support/catch.h"
@@ -142,6 +146,20 @@ PictureMean picture_mean(const Film& film, std::size_t wavelength) {
     out.error = {std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2]),
                  std::sqrt(variance[3])};
     return out;
+}
+
+std::vector<std::vector<std::string>> table_rows(const std::string& file) {
+    std::ifstream in(MALUS_SOURCE_DIR "/tests/data/" + file);
+    std::vector<std::vector<std::string>> rows;
+    bool names = true;
+    for (std::string line; std::getline(in, line);) {
+        if (line.empty() || line[0] == '#') continue;
+        if (std::exchange(names, false)) continue;
+        std::istringstream cells(line);
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
 }
 
 TempFolder::TempFolder() {

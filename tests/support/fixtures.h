@@ -53,6 +53,9 @@ struct PictureMean {
 };
 PictureMean picture_mean(const Film& film, std::size_t wavelength);
 
+/// The cells of a table of tests/data, row by row, without its comments and its line of names.
+std::vector<std::vector<std::string>> table_rows(const std::string& file);
+
 /// A folder of its own that is removed at the end.
 class TempFolder {
   public:
