@@ -15,14 +15,6 @@ namespace {
 
 const std::vector<double> kOne{550};
 
-// Ground of 2 m × 2 m and a wall of 2 m × 1 m at its northern edge, of one paint.
-Scene corner_scene() {
-    Scene scene;
-    add_rectangle(scene, "ground", {-1, 0, 2}, {2, 0, 0}, {0, 0, -2});
-    add_rectangle(scene, "wall", {-1, 0, 0}, {2, 0, 0}, {0, 1, 0});
-    return scene;
-}
-
 // Two rectangles that light each other, for the renderer and for the reference; the detector sees
 // the point p of the first.
 struct Pair {

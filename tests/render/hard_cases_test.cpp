@@ -144,11 +144,8 @@ TEST_CASE("Fully polarized sky: reflected as quadrature says, and never more tha
     for (double circular : {0.0, 0.6, 1.0, -1.0}) {
         const auto light = [&](Vec3 w) -> reference::Stokes {
             if (w.y <= 0) return {};
-            const Vec3 field = normalize(cross(axis, w));
-            const Vec3 up = reference::meridian_axis(w), side = cross(-w, up);
-            const double ex = dot(field, up), ey = dot(field, side);
             const double linear = std::sqrt(1 - circular * circular);
-            return {1, linear * (ex * ex - ey * ey), linear * 2 * ex * ey, circular};
+            return polarized_along(cross(axis, w), w, 1, linear, circular);
         };
         const Sky sky = sample_sky(light, kOne, 90, 360);
         const Material metal = single_row("metal", {0.9, 6, 1, 0.2, 1, 0, 0, 0});

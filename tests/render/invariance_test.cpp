@@ -15,7 +15,7 @@ namespace {
 const std::vector<double> kTwo{440, 600};
 
 // Ground and a slanted wall, with concave light between them.
-Scene corner_scene() {
+Scene slanted_corner() {
     Scene scene;
     add_rectangle(scene, "ground", {-1, 0, 2}, {2, 0, 0}, {0, 0, -2});
     add_rectangle(scene, "wall", {-1, 0, 0}, {2, 0, 0}, {0, 1, 0.3});
@@ -74,7 +74,7 @@ double typical_difference(const Film& a, const Film& b) {
 // The picture after the scene and the camera have been mapped by a similarity.
 Film mapped_picture(const Affine& map, const Sky& sky, Camera camera,
                     Lighting lighting = Lighting::kBoth) {
-    Scene scene = corner_scene();
+    Scene scene = slanted_corner();
     for (Instance& instance : scene.instances) instance.to_world = map * instance.to_world;
     camera.position = map.point(camera.position);
     for (Vec3* axis : {&camera.right, &camera.up, &camera.forward})
@@ -102,10 +102,7 @@ Sky turned_cap(const Affine& turn) {
         const double x = angle / to_radians(25);
         if (x >= 1) return {};
         const double s0 = std::pow(1 - x * x, 3);
-        const Vec3 field = normalize(cross(axis, w));
-        const Vec3 up = reference::meridian_axis(w), side = cross(-w, up);
-        const double ex = dot(field, up), ey = dot(field, side);
-        return {s0, 0.6 * s0 * (ex * ex - ey * ey), 0.6 * s0 * 2 * ex * ey, 0.3 * s0};
+        return polarized_along(cross(axis, w), w, s0, 0.6 * s0, 0.3 * s0);
     };
     return sample_sky(light, kTwo, 360, 1440);
 }
@@ -113,7 +110,7 @@ Sky turned_cap(const Affine& turn) {
 }  // namespace
 
 TEST_CASE("Invariance: scene, sky and camera turned about the vertical together", "[render]") {
-    const Film before = picture(corner_scene(), polarized_map(), camera_at(160));
+    const Film before = picture(slanted_corner(), polarized_map(), camera_at(160));
     for (double turn_deg : {1.0, 37.3, 90.0, 211.0}) {
         // Azimuth grows clockwise from above: x' = x cos a − z sin a, z' = x sin a + z cos a.
         const double a = to_radians(turn_deg), c = std::cos(a), s = std::sin(a);
@@ -132,8 +129,8 @@ TEST_CASE("Invariance: scene, sky and camera turned about any axis together", "[
     // map, which do not turn: 0.25° under a cap whose second derivative is 30 rad⁻² leaves 7e-5 at
     // its steepest, of either sign.
     const auto surface_light = Lighting::kSurfaceSamples;
-    const Film before = picture(corner_scene(), turned_cap({}), camera_at(160), surface_light);
-    const Film both = picture(corner_scene(), turned_cap({}), camera_at(160));
+    const Film before = picture(slanted_corner(), turned_cap({}), camera_at(160), surface_light);
+    const Film both = picture(slanted_corner(), turned_cap({}), camera_at(160));
     for (const auto& [axis, degrees] :
          {std::pair{Vec3{1, 0, 0}, 25.0}, {Vec3{0, 0, 1}, -20.0}, {Vec3{1, 0.6, -0.4}, 28.0}}) {
         const Affine turn = rotation(normalize(axis), to_radians(degrees));
@@ -156,7 +153,7 @@ TEST_CASE("Invariance: scene, sky and camera turned about any axis together", "[
 }
 
 TEST_CASE("Invariance: map coordinates of (5e5, 0, 4e6) m", "[render]") {
-    const Film before = picture(corner_scene(), polarized_map(), camera_at(160));
+    const Film before = picture(slanted_corner(), polarized_map(), camera_at(160));
     const Affine move{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5e5, 0, 4e6}};
     const Film after = mapped_picture(move, polarized_map(), camera_at(160));
     CHECK(difference(before, after) < 1e-5);
@@ -165,7 +162,7 @@ TEST_CASE("Invariance: map coordinates of (5e5, 0, 4e6) m", "[render]") {
 
 TEST_CASE("Invariance: a scene a thousand times smaller and ten thousand times larger",
           "[render]") {
-    const Film before = picture(corner_scene(), polarized_map(), camera_at(160));
+    const Film before = picture(slanted_corner(), polarized_map(), camera_at(160));
     for (double scale : {1e-3, 1e4}) {
         const Affine size{{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, {0, 0, 0}};
         CAPTURE(scale);
@@ -176,8 +173,8 @@ TEST_CASE("Invariance: a scene a thousand times smaller and ten thousand times l
 }
 
 TEST_CASE("Invariance: triangles split into four", "[render]") {
-    const Film before = picture(corner_scene(), polarized_map(), camera_at(160));
-    Scene scene = corner_scene();
+    const Film before = picture(slanted_corner(), polarized_map(), camera_at(160));
+    Scene scene = slanted_corner();
     for (Mesh& mesh : scene.meshes) {
         std::vector<std::array<std::uint32_t, 3>> split;
         for (const auto& t : mesh.triangles) {

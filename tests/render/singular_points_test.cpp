@@ -206,9 +206,6 @@ TEST_CASE("Float exceptions: no invalid operation or division by zero in a rende
         CHECK(result.refused == 0);
         CHECK(result.paths == 16u * 16u * 64u);
     };
-    Scene corner;
-    add_rectangle(corner, "ground", {-1, 0, 2}, {2, 0, 0}, {0, 0, -2});
-    add_rectangle(corner, "wall", {-1, 0, 0}, {2, 0, 0}, {0, 1, 0});
     const Material mirror = single_row("mirror", {0.2, 5, 1, 1e-5, 1, 0, 0, 0});
     const Material nothing = single_row("nothing", {1, 0, 0, 0.3, 1, 0, 0, 0});
     Material cauchy = green_paint();
@@ -219,7 +216,7 @@ TEST_CASE("Float exceptions: no invalid operation or division by zero in a rende
         for (const Material* paint :
              {&green_paint(), &black_paint(), &std::as_const(cauchy), &mirror, &nothing})
             for (const Sky* sky : {&day, &night}) {
-                const PreparedScene scene(corner, {0, 0}, {*paint}, *sky, kOne);
+                const PreparedScene scene(corner_scene(), {0, 0}, {*paint}, *sky, kOne);
                 trapped_render(scene, look_at({0, 0, 0.5}, view, 160, 0.4));
             }
     const Scene target = read_gltf(MALUS_SOURCE_DIR "/scenes/target_a.glb");

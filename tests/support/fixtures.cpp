@@ -100,6 +100,21 @@ Scene panel_scene() {
     return scene;
 }
 
+Scene corner_scene() {
+    Scene scene;
+    add_rectangle(scene, "ground", {-1, 0, 2}, {2, 0, 0}, {0, 0, -2});
+    add_rectangle(scene, "wall", {-1, 0, 0}, {2, 0, 0}, {0, 1, 0});
+    return scene;
+}
+
+reference::Stokes polarized_along(const Vec3& field, const Vec3& w, double s0, double linear,
+                                  double s3) {
+    const Vec3 up = reference::meridian_axis(w), side = cross(-w, up);
+    const double ex = dot(field, up), ey = dot(field, side);
+    const double norm = linear / (ex * ex + ey * ey);
+    return {s0, norm * (ex * ex - ey * ey), norm * 2 * ex * ey, s3};
+}
+
 reference::SkyFunction smooth_sky(double sun_azimuth_deg) {
     return reference::rayleigh_sky(direction(to_radians(50), to_radians(sun_azimuth_deg)), 1.0, 0.8,
                                    0.15);

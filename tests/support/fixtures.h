@@ -36,6 +36,14 @@ void add_rectangle(Scene& scene, const std::string& name, const Vec3& corner, co
 /// A horizontal square of 1 m about the origin, one instance, facing up.
 Scene panel_scene();
 
+/// Ground of 2 m × 2 m and a wall of 2 m × 1 m at its northern edge, facing south: two instances.
+Scene corner_scene();
+
+/// Light from w in the meridian frame: S0, linear polarization along `field` as far as it is across
+/// the beam, S3.
+reference::Stokes polarized_along(const Vec3& field, const Vec3& w, double s0, double linear,
+                                  double s3);
+
 /// Polarized to 0.8, with circular light; the sun 50° off the zenith, in no plane of symmetry of the
 /// tests' views.
 reference::SkyFunction smooth_sky(double sun_azimuth_deg = 200);
