@@ -20,6 +20,7 @@
 #include "malus/io/material_file.h"
 #include "malus/io/sky_file.h"
 #include "malus/io/stats_file.h"
+#include "malus/scene/clear_sky.h"
 #include "render/path_tracer.h"
 
 using namespace malus;

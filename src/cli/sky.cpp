@@ -9,8 +9,12 @@
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
+#include "malus/io/scattering_file.h"
 #include "malus/io/sky_file.h"
 #include "malus/optics/wavelengths.h"
+#include "malus/scene/clear_sky.h"
+
+namespace fs = std::filesystem;
 
 namespace malus::cli {
 namespace {
@@ -23,6 +27,8 @@ struct SkyOptions {
     std::vector<double> wavelengths_nm{440, 550, 600};
     double sun_zenith_deg = 60, sun_azimuth_deg = 180;
     double ground_albedo = 0.2, pressure_hpa = 1013.25;
+    Aerosol aerosol;
+    std::string aerosol_matrix;
     std::optional<double> max_dolp;
     int width = 360, height = 90;
 };
@@ -31,16 +37,35 @@ std::string description(const SkyOptions& options) {
     std::string text = "Rayleigh atmosphere, all orders of scattering, ground albedo " +
                        to_text(options.ground_albedo) + ", " + to_text(options.pressure_hpa) +
                        " hPa";
+    const Aerosol& aerosol = options.aerosol;
+    if (aerosol.optical_depth_550 > 0) {
+        text += std::string(", aerosol ") +
+                (aerosol.place == AerosolPlace::kMixed ? "mixed with" : "below") +
+                " the air: optical depth " + to_text(aerosol.optical_depth_550) +
+                " at 550 nm, Angstrom exponent " + to_text(aerosol.angstrom_exponent) +
+                ", single-scattering albedo " + to_text(aerosol.single_scattering_albedo);
+        if (aerosol.table.empty())
+            text += ", Henyey-Greenstein with g " + to_text(aerosol.asymmetry) + ", polarization " +
+                    to_text(aerosol.polarization);
+        else
+            text += ", matrix " + fs::path(options.aerosol_matrix).filename().string();
+    }
     if (options.max_dolp) text += ", polarization scaled to DoLP " + to_text(*options.max_dolp);
     return text;
 }
 
-void make(const SkyOptions& options, const std::string& command_line) {
+void make(SkyOptions options, const std::string& command_line) {
     check_exr_name(options.output);
     check_writable(options.output);
     const std::vector<double> wavelengths = sorted_wavelengths(options.wavelengths_nm);
-    const ClearSky model{to_radians(options.sun_zenith_deg), to_radians(options.sun_azimuth_deg),
-                         options.ground_albedo, options.pressure_hpa, options.max_dolp};
+    if (!options.aerosol_matrix.empty())
+        options.aerosol.table = read_scattering(options.aerosol_matrix);
+    const ClearSky model{to_radians(options.sun_zenith_deg),
+                         to_radians(options.sun_azimuth_deg),
+                         options.ground_albedo,
+                         options.pressure_hpa,
+                         options.aerosol,
+                         options.max_dolp};
     if (options.sun_zenith_deg > kFlatEarth_deg)
         std::cerr
             << "malus: note: the sun stands " << to_text(options.sun_zenith_deg)
@@ -53,22 +78,67 @@ void make(const SkyOptions& options, const std::string& command_line) {
                {"commandLine", command_line}});
 }
 
+void add_aerosol(CLI::App& sub, SkyOptions& options) {
+    const char* const group = "Aerosol";
+    Aerosol& aerosol = options.aerosol;
+    sub.add_option(
+           "--aerosol-depth", aerosol.optical_depth_550,
+           "Vertical optical depth of the aerosol at 550 nm; 0.05 clear, 0.2 usual, 0.5 hazy")
+        ->group(group)
+        ->check(within(0.0, 5.0))
+        ->capture_default_str();
+    sub.add_option("--angstrom", aerosol.angstrom_exponent,
+                   "Angstrom exponent a: the optical depth goes with wavelength to the power -a")
+        ->group(group)
+        ->check(within(-1.0, 4.0))
+        ->capture_default_str();
+    sub.add_option("--aerosol-albedo", aerosol.single_scattering_albedo,
+                   "Single-scattering albedo: share of what meets a particle that is scattered")
+        ->group(group)
+        ->check(within(0.0, 1.0))
+        ->capture_default_str();
+    sub.add_option(
+           "--asymmetry", aerosol.asymmetry,
+           "Asymmetry g of the Henyey-Greenstein function: mean cosine of scattering angles")
+        ->group(group)
+        ->check(within(-0.95, 0.95))
+        ->capture_default_str();
+    sub.add_option("--aerosol-polarization", aerosol.polarization,
+                   "Degree of polarization of light scattered once by 90 degrees by the aerosol")
+        ->group(group)
+        ->check(within(0.0, 1.0))
+        ->capture_default_str();
+    sub.add_option("--aerosol-matrix", options.aerosol_matrix,
+                   "Scattering matrix instead of Henyey-Greenstein's: CSV file with header "
+                   "angle_deg,F11,F12,F22,F33 (wavelength_nm before it if it changes with it)")
+        ->group(group);
+    sub.add_option("--aerosol-place", aerosol.place,
+                   "Where the aerosol is: mixed evenly with the air, or in a layer below it")
+        ->group(group)
+        ->transform(CLI::Transformer(std::map<std::string, AerosolPlace>{
+            {"mixed", AerosolPlace::kMixed}, {"below", AerosolPlace::kBelow}}))
+        ->default_str("mixed")
+        ->option_text("mixed|below [mixed]");
+}
+
 }  // namespace
 
 void add_sky(CLI::App& app, const std::string& command_line) {
     CLI::App* sky = app.add_subcommand("sky", "Make sky maps");
     sky->require_subcommand(1);
-    CLI::App* sub = sky->add_subcommand("make",
-                                        "Make a clear sky: sunlight scattered by air (Rayleigh), "
-                                        "all orders, over even ground, in a "
-                                        "flat atmosphere (sun and view within about 82 degrees of "
-                                        "the zenith). No aerosol; the sun's "
-                                        "disc itself is not part of it.");
+    CLI::App* sub =
+        sky->add_subcommand("make",
+                            "Make a clear or hazy sky: sunlight scattered any number of times by "
+                            "air (Rayleigh) and aerosol "
+                            "over even ground, in a flat atmosphere (it holds for sun and view "
+                            "within about 82 degrees of "
+                            "the zenith). The sun's disc goes into the file as sunIrradiance.");
     const auto options = std::make_shared<SkyOptions>();
     sub->add_option("-o,--output", options->output, "Sky map to write, EXR")->required();
-    sub->add_option("--wavelengths", options->wavelengths_nm, "Wavelengths, nm, e.g. 440,600")
+    sub->add_option("--wavelengths", options->wavelengths_nm,
+                    "Wavelengths, nm, 280 to 4000, e.g. 440,600")
         ->delimiter(',')
-        ->check(within(200.0, 4000.0))
+        ->check(within(280.0, 4000.0))
         ->capture_default_str();
     sub->add_option("--sun-zenith", options->sun_zenith_deg, "Zenith angle of the sun, degrees")
         ->check(within(0.0, 89.0))
@@ -84,6 +154,7 @@ void add_sky(CLI::App& app, const std::string& command_line) {
     sub->add_option("--pressure", options->pressure_hpa, "Air pressure at the ground, hPa")
         ->check(within(1.0, 1100.0))
         ->capture_default_str();
+    add_aerosol(*sub, *options);
     sub->add_option(
            "--max-dolp", options->max_dolp,
            "Scale the polarization so that the map's largest degree of linear polarization "

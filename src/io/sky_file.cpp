@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <sstream>
 
+#include "io/csv.h"
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
@@ -38,16 +38,6 @@ Stokes<double> checked(const Stokes<double>& S, Place place) {
                     " (no light is polarized more than wholly); mend the map");
     const double shrink = P > S.s0 ? S.s0 / P : 1;
     return {S.s0, S.s1 * shrink, S.s2 * shrink, S.s3 * shrink};
-}
-
-double number_in(std::string_view text, const std::string& place) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    double x = 0;
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), x);
-    if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size())
-        throw Error(place + ": '" + one_line(std::string(text), 40) + "' is not a number");
-    return x;
 }
 
 // --- EXR ---------------------------------------------------------------------------------------

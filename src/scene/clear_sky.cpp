@@ -1,26 +1,44 @@
-// clear_sky.cpp — a clear sky of air: optical properties, and the map that the transfer of light gives.
+// clear_sky.cpp — optical properties of air and aerosol, and the map that the transfer of light gives.
 //
 //   F = (78.084 F_N2 + 20.946 F_O2 + 0.934 F_Ar + 0.036 F_CO2)/100,   ρ = 6 (F − 1)/(3 + 7 F)
 //   F_N2 = 1.034 + 3.17e-4/λ²,  F_O2 = 1.096 + 1.385e-3/λ² + 1.448e-4/λ⁴,  F_Ar = 1,  F_CO2 = 1.15
 //
-// Units   λ in micrometres in formulas; radiance W m⁻² sr⁻¹ nm⁻¹.
-// Source  sky.h; radiative_transfer.h.
+// Units   λ in micrometres in formulas.
+// Source  clear_sky.h.
 // SPDX-License-Identifier: Apache-2.0
+#include "malus/scene/clear_sky.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "malus/core/error.h"
 #include "malus/core/frame.h"
-#include "malus/scene/sky.h"
+#include "malus/optics/wavelengths.h"
 #include "scene/radiative_transfer.h"
 
 namespace malus {
 namespace {
 
-// Irradiance of the sun outside the atmosphere, W m⁻² nm⁻¹: π B(λ, T) (R/au)².
-double solar_irradiance(double wavelength_nm) {
-    constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;
-    constexpr double kTemperature = 5772.0, kRadius = 6.957e8, kAstronomicalUnit = 1.495978707e11;
-    const double l = wavelength_nm * 1e-9;
-    const double radiance = 2 * kPlanck * kLight * kLight / std::pow(l, 5) /
-                            std::expm1(kPlanck * kLight / (l * kBoltzmann * kTemperature));
-    return kPi * radiance * sqr(kRadius / kAstronomicalUnit) * 1e-9;
+constexpr std::string_view kSolarTable =
+#include "solar_irradiance.inc"  // the CSV file as a string
+    ;
+
+struct SpectrumRow {
+    double wavelength_nm, irradiance;
+};
+
+std::vector<SpectrumRow> parse_solar_table() {
+    std::vector<SpectrumRow> rows;
+    for (std::size_t begin = 0, end = 0; begin < kSolarTable.size(); begin = end + 1) {
+        end = std::min(kSolarTable.find('\n', begin), kSolarTable.size());
+        const char* const last = kSolarTable.data() + end;
+        SpectrumRow row{};
+        const auto nm = std::from_chars(kSolarTable.data() + begin, last, row.wavelength_nm);
+        if (nm.ec != std::errc() || nm.ptr == last || *nm.ptr != ',') continue;  // comment, header
+        if (std::from_chars(nm.ptr + 1, last, row.irradiance).ec == std::errc())
+            rows.push_back(row);
+    }
+    return rows;
 }
 
 void scale_polarization(std::vector<Stokes<double>>& nodes, double max_dolp) {
@@ -31,7 +49,46 @@ void scale_polarization(std::vector<Stokes<double>>& nodes, double max_dolp) {
     for (Stokes<double>& S : nodes) S = {S.s0, scale * S.s1, scale * S.s2, S.s3};
 }
 
+ScatteringMatrix aerosol_matrix(const Aerosol& aerosol, double wavelength_nm) {
+    if (aerosol.table.empty())
+        return henyey_greenstein_matrix(aerosol.asymmetry, aerosol.polarization);
+    for (const auto& [nm, rows] : aerosol.table)
+        if (nm == 0 || std::abs(nm - wavelength_nm) < kSameWavelength_nm)
+            return tabulated_matrix(rows);
+    std::vector<double> known;
+    for (const auto& [nm, rows] : aerosol.table) known.push_back(nm);
+    throw Error("aerosol: the scattering matrix has no wavelength " + to_text(wavelength_nm) +
+                " nm; it has " + to_text(known) + " nm");
+}
+
+Atmosphere atmosphere(const ClearSky& model, double wavelength_nm) {
+    const Scatterer air{rayleigh_optical_depth(wavelength_nm, model.pressure_hpa), 1,
+                        rayleigh_matrix(rayleigh_depolarization(wavelength_nm))};
+    const Aerosol& aerosol = model.aerosol;
+    if (aerosol.optical_depth_550 == 0) return {{{air}}, model.ground_albedo};
+    const Scatterer haze{
+        aerosol.optical_depth_550 * std::pow(wavelength_nm / 550, -aerosol.angstrom_exponent),
+        aerosol.single_scattering_albedo, aerosol_matrix(aerosol, wavelength_nm)};
+    if (aerosol.place == AerosolPlace::kMixed) return {{{air, haze}}, model.ground_albedo};
+    return {{{air}, {haze}}, model.ground_albedo};
+}
+
 }  // namespace
+
+double solar_irradiance(double wavelength_nm) {
+    static const std::vector<SpectrumRow> rows = parse_solar_table();
+    if (!(wavelength_nm >= rows.front().wavelength_nm &&
+          wavelength_nm <= rows.back().wavelength_nm))
+        throw Error("sun: " + to_text(wavelength_nm) + " nm lies outside the table of its light, " +
+                    to_text(rows.front().wavelength_nm) + " to " +
+                    to_text(rows.back().wavelength_nm) + " nm");
+    const auto above =
+        std::upper_bound(rows.begin() + 1, rows.end() - 1, wavelength_nm,
+                         [](double nm, const SpectrumRow& row) { return nm < row.wavelength_nm; });
+    const SpectrumRow &a = *(above - 1), &b = *above;
+    const double t = (wavelength_nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm);
+    return (1 - t) * a.irradiance + t * b.irradiance;
+}
 
 double rayleigh_optical_depth(double wavelength_nm, double pressure_hpa) {
     const double l2 = sqr(wavelength_nm * 1e-3);
@@ -51,19 +108,22 @@ Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm
                    int azimuths) {
     Sky sky;
     sky.wavelengths_nm.assign(wavelengths_nm.begin(), wavelengths_nm.end());
-    std::vector<double> mu;
+    std::vector<double> mu, from_sun;
     for (int i = 0; i < zeniths; ++i) {
         sky.zeniths.push_back((i + 0.5) * kPi / 2 / zeniths);
         mu.push_back(std::cos(sky.zeniths.back()));
     }
-    for (int i = 0; i < azimuths; ++i) sky.azimuths.push_back((i + 0.5) * 2 * kPi / azimuths);
+    for (int i = 0; i < azimuths; ++i) {
+        sky.azimuths.push_back((i + 0.5) * 2 * kPi / azimuths);
+        from_sun.push_back(sky.azimuths.back() - model.sun_azimuth);
+    }
     sky.sun = Sun{model.sun_zenith, model.sun_azimuth, {}};
     for (double nm : wavelengths_nm) {
-        const RayleighLayer air{rayleigh_optical_depth(nm, model.pressure_hpa),
-                                rayleigh_depolarization(nm), model.ground_albedo};
         const double E0 = solar_irradiance(nm);
-        for (const SkyModes& row : light_at_ground(air, std::cos(model.sun_zenith), mu))
-            for (double a : sky.azimuths) sky.nodes.push_back(E0 * row.at(a - model.sun_azimuth));
+        const GroundLight light =
+            light_at_ground(atmosphere(model, nm), std::cos(model.sun_zenith), mu, from_sun);
+        for (const Stokes<double>& S : light.sky) sky.nodes.push_back(E0 * S);
+        sky.sun->irradiance.push_back(E0 * light.direct);
     }
     if (model.max_dolp) scale_polarization(sky.nodes, *model.max_dolp);
     return sky;

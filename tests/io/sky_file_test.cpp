@@ -9,6 +9,7 @@
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
 #include "malus/io/spectral_image.h"
+#include "malus/scene/clear_sky.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 

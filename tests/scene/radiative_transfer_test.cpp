@@ -1,8 +1,8 @@
-// radiative_transfer_test.cpp — the light of a Rayleigh sky against published solutions.
+// radiative_transfer_test.cpp — the light of the sky against published solutions.
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/radiative_transfer.h"
 
-#include "malus/scene/sky.h"
+#include "malus/scene/clear_sky.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 
@@ -10,8 +10,12 @@ using namespace malus;
 
 namespace {
 
-Stokes<double> light(const RayleighLayer& air, double mu0, double mu, double azimuth_deg) {
-    return light_at_ground(air, mu0, std::vector<double>{mu})[0].at(to_radians(azimuth_deg));
+Atmosphere rayleigh(double optical_depth, double depolarization, double ground_albedo) {
+    return {{{{optical_depth, 1, rayleigh_matrix(depolarization)}}}, ground_albedo};
+}
+
+Stokes<double> light(const Atmosphere& air, double mu0, double mu, double azimuth_deg) {
+    return light_at_ground(air, mu0, std::array{mu}, std::array{to_radians(azimuth_deg)}).sky[0];
 }
 
 // ∫ f(μ) dμ over (0, 1): eight Gauss nodes (Abramowitz & Stegun, table 25.4) below 0.15, where light
@@ -32,24 +36,27 @@ struct Quadrature {
     }
 };
 
-// Irradiance on the ground from sky and sun, per unit of the sun's.
-double ground_irradiance(const RayleighLayer& air, double mu0) {
+// Irradiance on the ground from sky and sun, per unit of the sun's, by another quadrature than the
+// solver's: Rayleigh's modes 1 and 2 vanish from the mean of four azimuths.
+double ground_irradiance(const Atmosphere& air, double mu0) {
     static const Quadrature over;
-    double sum = mu0 * std::exp(-air.optical_depth / mu0);
-    const std::vector<SkyModes> sky = light_at_ground(air, mu0, over.mu);
+    constexpr std::array<double, 4> kAzimuths{0, kPi / 2, kPi, 1.5 * kPi};
+    const GroundLight light = light_at_ground(air, mu0, over.mu, kAzimuths);
+    double sum = mu0 * light.direct;
     for (std::size_t i = 0; i < over.mu.size(); ++i)
-        sum += 2 * kPi * over.weight[i] * over.mu[i] * sky[i].I[0];
+        for (std::size_t a = 0; a < 4; ++a)
+            sum += 0.5 * kPi * over.weight[i] * over.mu[i] * light.sky[4 * i + a].s0;
     return sum;
 }
 
 // Zenith angle, in degrees, of the place nearest the sun where S1 changes sign in the sun's vertical;
 // the sun stands at 60°.
-double neutral_point(const RayleighLayer& air, double from_deg, double step_deg) {
+double neutral_point(const Atmosphere& air, double from_deg, double step_deg) {
     std::vector<double> mu;
     for (int i = 0; i < 60; ++i) mu.push_back(std::cos(to_radians(from_deg + i * step_deg)));
-    const std::vector<SkyModes> sky = light_at_ground(air, 0.5, mu);
+    const auto sky = light_at_ground(air, 0.5, mu, std::array{0.0}).sky;
     for (std::size_t i = 1; i < sky.size(); ++i) {
-        const double before = sky[i - 1].at(0).s1, after = sky[i].at(0).s1;
+        const double before = sky[i - 1].s1, after = sky[i].s1;
         if (before * after <= 0)
             return from_deg + step_deg * (static_cast<double>(i) - after / (after - before));
     }
@@ -58,8 +65,8 @@ double neutral_point(const RayleighLayer& air, double from_deg, double step_deg)
 
 constexpr std::array<double, 3> kWavelengths{440, 550, 600};
 
-RayleighLayer air_at(double nm, double albedo) {
-    return {rayleigh_optical_depth(nm), rayleigh_depolarization(nm), albedo};
+Atmosphere air_at(double nm, double albedo) {
+    return rayleigh(rayleigh_optical_depth(nm), rayleigh_depolarization(nm), albedo);
 }
 
 }  // namespace
@@ -69,7 +76,7 @@ TEST_CASE("Transfer: I, Q and U of Natraj, Li and Yung, to 1e-7 for a sun of irr
     REQUIRE(rows.size() == 60);
     for (const auto& cell : rows) {
         REQUIRE(cell.size() == 9);
-        const RayleighLayer air{std::stod(cell[1]), 0, std::stod(cell[2])};
+        const Atmosphere air = rayleigh(std::stod(cell[1]), 0, std::stod(cell[2]));
         // Their azimuth is anticlockwise; S1 = −Q, S2 = U.
         const Stokes<double> S =
             light(air, std::stod(cell[3]), std::stod(cell[4]), -std::stod(cell[5]));
@@ -97,7 +104,7 @@ TEST_CASE("Transfer: depolarizing air as PSTAR has it, within 2e-6") {
              Row{0.10, 30.0, 60.0, 180.0, 5.401279E-02, -2.981117E-02, 0.000000E+00},
          }) {
         const Stokes<double> S =
-            light({0.5, row.depolarization, 0}, std::cos(to_radians(row.sun_zenith)),
+            light(rayleigh(0.5, row.depolarization, 0), std::cos(to_radians(row.sun_zenith)),
                   std::cos(to_radians(row.view_zenith)), row.azimuth);
         CAPTURE(row.depolarization, row.view_zenith, row.azimuth);
         CHECK(S.s0 == near(row.I, 2e-6 * row.I));
@@ -111,15 +118,78 @@ TEST_CASE("Transfer: no light is lost, and ways of light can be reversed") {
     // light from below that returns. By reciprocity that share is 2 ∫ G(μ0) dμ0, G the irradiance
     // on black ground under a sun at μ0; and G over ground of albedo A is G/(1 − A s).
     const double tau = 0.3, rho = 0.03;
-    const double black = ground_irradiance({tau, rho, 0}, 0.6);
-    const double grey = ground_irradiance({tau, rho, 0.5}, 0.6);
+    const double black = ground_irradiance(rayleigh(tau, rho, 0), 0.6);
+    const double grey = ground_irradiance(rayleigh(tau, rho, 0.5), 0.6);
     const double s = (1 - black / grey) / 0.5;
     double through = 0;
     const Quadrature suns;
     for (std::size_t i = 0; i < suns.mu.size(); ++i)
-        through += 2 * suns.weight[i] * ground_irradiance({tau, rho, 0}, suns.mu[i]);
+        through += 2 * suns.weight[i] * ground_irradiance(rayleigh(tau, rho, 0), suns.mu[i]);
     CHECK(s > 0.1);
     CHECK(through == near(1 - s, 1e-6));
+}
+
+TEST_CASE("Transfer: haze that absorbs nothing loses no light, mixed or below, over any ground") {
+    // What the sun sends goes back up or into the ground; 1e-6 of it may be lost.
+    const Scatterer air{0.25, 1, rayleigh_matrix(0.03)};
+    for (double g : {0.7, 0.85}) {
+        const Scatterer haze{0.4, 1, henyey_greenstein_matrix(g, 0.45)};
+        for (const auto& layers :
+             {std::vector<std::vector<Scatterer>>{{air, haze}}, {{air}, {haze}}})
+            for (double albedo : {0.0, 0.5}) {
+                const double mu0 = 0.5;
+                const GroundLight light = light_at_ground({layers, albedo}, mu0, {}, {});
+                const double into_ground = (1 - albedo) * (light.diffuse + mu0 * light.direct);
+                CHECK(light.escaping + into_ground == near(mu0, 1e-6 * mu0));
+            }
+    }
+}
+
+TEST_CASE("Transfer: a layer cut in two, and one that scatters nothing, change nothing") {
+    const Scatterer air{0.2, 1, rayleigh_matrix(0.03)};
+    const Scatterer haze{0.3, 0.9, henyey_greenstein_matrix(0.6, 0.45)};
+    const auto half = [](Scatterer whole) {
+        whole.optical_depth /= 2;
+        return whole;
+    };
+    const Atmosphere whole{{{air, haze}}, 0.3};
+    const Atmosphere cut{{{half(air), half(haze)}, {half(air), half(haze)}}, 0.3};
+    const std::array<double, 2> mu{0.9, 0.3}, azimuths{0.4, 2.5};
+    const GroundLight a = light_at_ground(whole, 0.5, mu, azimuths),
+                      b = light_at_ground(cut, 0.5, mu, azimuths);
+    for (std::size_t i = 0; i < a.sky.size(); ++i) {
+        CHECK(a.sky[i].s0 == near(b.sky[i].s0, 1e-7));
+        CHECK(a.sky[i].s1 == near(b.sky[i].s1, 1e-7));
+        CHECK(a.sky[i].s2 == near(b.sky[i].s2, 1e-7));
+    }
+    CHECK(a.escaping == near(b.escaping, 1e-7));
+    // Soot below the air dims what comes down by its own depth alone.
+    const Scatterer soot{0.5, 0, rayleigh_matrix(0)};
+    const GroundLight c = light_at_ground({{{air}}, 0}, 0.5, mu, azimuths),
+                      d = light_at_ground({{{air}, {soot}}, 0}, 0.5, mu, azimuths);
+    for (std::size_t i = 0; i < c.sky.size(); ++i)
+        CHECK(d.sky[i].s0 == near(c.sky[i].s0 * std::exp(-0.5 / mu[i / 2]), 1e-9));
+    CHECK(d.direct == near(std::exp(-(0.2 + 0.5) / 0.5), 1e-12));
+}
+
+TEST_CASE("Sun: its light is that of ASTM G173, and dims by the depth of the air") {
+    // G173-03 gives 1347.93 W/m² from 280 to 4000 nm, and these rows.
+    double sum = 0;
+    for (double nm = 280; nm < 4000; nm += 0.5)
+        sum += 0.25 * (solar_irradiance(nm) + solar_irradiance(nm + 0.5));
+    CHECK(sum == near(1347.93, 0.1));
+    CHECK(solar_irradiance(440) == near(1.830, 1e-9));
+    CHECK(solar_irradiance(550) == near(1.863, 1e-9));
+    CHECK_THROWS_WITH(solar_irradiance(279), Catch::Contains("280 to 4000 nm"));
+
+    ClearSky model;
+    model.aerosol.optical_depth_550 = 0.3;
+    const Sky sky = make_clear_sky(model, std::array{440.0, 550.0}, 2, 4);
+    REQUIRE(sky.sun->irradiance.size() == 2);
+    // Sun at 60°: twice the vertical depth; 0.242605 and 0.097065 of air.
+    CHECK(sky.sun->irradiance[1] == near(1.863 * std::exp(-2 * (0.097065 + 0.3)), 1e-5));
+    CHECK(sky.sun->irradiance[0] ==
+          near(1.830 * std::exp(-2 * (0.242605 + 0.3 * std::pow(550.0 / 440, 1.3))), 1e-5));
 }
 
 TEST_CASE("Air: optical depth and depolarization of Bodhaine et al. and Bates") {
@@ -147,7 +217,7 @@ TEST_CASE("Neutral points: Babinet's above and Brewster's below the sun") {
     // The same independent solution, ground albedo 0.25.
     const std::array<double, 3> babinet{17.5, 13.5, 12.1}, brewster{22.1, 15.9, 13.9};
     for (std::size_t i = 0; i < 3; ++i) {
-        const RayleighLayer air = air_at(kWavelengths[i], 0.25);
+        const Atmosphere air = air_at(kWavelengths[i], 0.25);
         CHECK(60 - neutral_point(air, 59.5, -0.5) == near(babinet[i], 0.1));
         CHECK(neutral_point(air, 60.5, 0.45) - 60 == near(brewster[i], 0.1));
     }

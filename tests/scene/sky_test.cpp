@@ -4,6 +4,7 @@
 
 #include "malus/core/error.h"
 #include "malus/core/frame.h"
+#include "malus/scene/clear_sky.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 #include "support/statistics.h"

@@ -24,7 +24,7 @@ struct Reflectance {
 struct RowCheck {
     double wavelength_nm;
     std::vector<Reflectance> reflectance;  ///< at 0, 15, 30, 45, 60, 75, 80, 85 and 89 degrees
-    double least_f00;          ///< of the row as printed, without the clamp, sr⁻¹
+    double least_f00;                      ///< of the row as printed, without the clamp, sr⁻¹
     double share_negative;     ///< of directions (uniform in solid angle) in which it is negative
     double most_dop;           ///< of what leaves, for light of DoP ≤ 1 coming in
     double reciprocity_error;  ///< largest |M(wo→wi) − D Mᵀ D| / m00

@@ -48,28 +48,6 @@ BeamFrame meridian_frame(const Vec3& w);
 /// The frame of the light from w that does not spin: the meridian frame turned back by the azimuth.
 BeamFrame fixed_frame(const Vec3& w);
 
-/// A clear sky: sunlight scattered any number of times by air over even ground. Plane-parallel: sun
-/// and view within about 82° of the zenith.
-struct ClearSky {
-    double sun_zenith = to_radians(60), sun_azimuth = to_radians(180);  ///< rad; zenith < π/2
-    double ground_albedo = 0.2;                                         ///< Lambertian, [0, 1]
-    double pressure_hpa = 1013.25;                                      ///< at the ground
-    /// Scales the polarization so that the largest DoLP of the map is this, [0, 1]; as air has it
-    /// without.
-    std::optional<double> max_dolp;
-};
-/// Sampled at zenith × azimuth pixel centres. The sun is a black body of 5772 K (IAU 2015 resolution
-/// B3) at one astronomical unit; its disc is not part of the map.
-Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm, int zeniths,
-                   int azimuths);
-
-/// Optical depth of clean dry air (360 ppm CO2) of this pressure at the ground: Bodhaine et al.,
-/// J. Atmos. Oceanic Technol. 16, 1854 (1999), eq. 30.
-double rayleigh_optical_depth(double wavelength_nm, double pressure_hpa = 1013.25);
-/// Depolarization of natural light scattered by 90°, from the King factors of N2, O2, Ar and CO2:
-/// Bates (1984), as in Bodhaine et al., eq. 5, 6 and 23.
-double rayleigh_depolarization(double wavelength_nm);
-
 /// Where a direction lies between the nodes of a SkyDome.
 struct SkyLookup {
     std::array<std::uint32_t, 4> node{};
