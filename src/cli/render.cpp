@@ -26,7 +26,7 @@ struct RenderOptions {
     std::vector<std::string> materials, assign;
     std::vector<double> wavelengths_nm;
     double view_zenith_deg = 30, view_azimuth_deg = 0, fov_deg = 0, margin = 0.05;
-    bool orthographic = false, quiet = false;
+    bool orthographic = false, no_sun = false, quiet = false;
     CLI::Option* camera_option = nullptr;
     std::vector<CLI::Option*> view_options;
     RenderSettings settings;
@@ -257,8 +257,7 @@ Inputs read_inputs(const RenderOptions& options) {
     in.paints = assign_paints(in.scene, parse_rules(options.assign), in.materials);
     in.wavelengths_nm = choose_wavelengths(options, in.sky, in.materials, in.paints);
     tell_interpolation(options, in.materials, in.paints, in.wavelengths_nm);
-    if (in.sky.sun && !in.sky.sun->irradiance.empty())
-        warn(options, options.sky + ": its sun disc is left out; only the sky's light is rendered");
+    if (options.no_sun) in.sky.sun.reset();
     in.camera = choose_camera(in.scene, options);
     in.labels = make_labels(in.scene, in.materials, in.paints);
     return in;
@@ -324,6 +323,9 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
 void add_inputs(CLI::App& sub, RenderOptions& o) {
     sub.add_option("scene", o.scene, "Scene, glTF 2.0: .gltf or .glb (required)");
     sub.add_option("--sky", o.sky, "Sky map: .exr (malus sky make) or .csv")->required();
+    sub.add_flag("--no-sun", o.no_sun,
+                 "Leave out the sun's disc, which lights the scene where the sky map declares one "
+                 "(sunIrradiance)");
     sub.add_option("--materials", o.materials, "Paints: one or more .json files")->required();
     sub.add_option("-o,--output", o.output, "Image to write, EXR")->required();
     sub.add_option("--stats", o.stats, "Write what was done to this JSON file");

@@ -7,6 +7,8 @@ namespace {
 
 // Which numbers of a block serve what.
 enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kPixelX, kPixelY };
+enum SunDimension { kSun1, kSun2 };
+constexpr std::uint32_t kSunBlocks = 1u << 20;  // blocks of their own, beyond any path's vertices
 
 Stokes<Lanes> sky_light(const SkyDome& sky, const SkyLookup& at, std::size_t first) {
     Stokes<Lanes> S{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
@@ -18,6 +20,10 @@ Stokes<Lanes> sky_light(const SkyDome& sky, const SkyLookup& at, std::size_t fir
         S = S + Stokes<Lanes>{row(0), row(1), row(2), row(3)};
     }
     return S;
+}
+
+Stokes<Lanes> sun_light(const SunDisc& sun, std::size_t first) {
+    return {Lanes::load_unaligned(sun.radiance() + first), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
 }
 
 bool is_sky(const SkyLookup& at) {
@@ -57,16 +63,17 @@ PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
       picture_(camera, settings.width, settings.height),
       settings_(settings) {}
 
-// 1/pdf of a direction to the sky, as the balance heuristic weighs it.
-double PathTracer::sky_weight(double by_sky, double by_surface, Lighting drawn_by) const {
-    if (settings_.lighting == Lighting::kBoth) return 1 / (by_sky + by_surface);
+// 1/pdf of a direction to sky or sun, as the balance heuristic weighs it.
+double PathTracer::light_weight(double by_light, double by_surface, Lighting drawn_by) const {
+    if (settings_.lighting == Lighting::kBoth) return 1 / (by_light + by_surface);
     if (settings_.lighting != drawn_by) return 0;
-    return 1 / (drawn_by == Lighting::kSkySamples ? by_sky : by_surface);
+    return 1 / (drawn_by == Lighting::kLightSamples ? by_light : by_surface);
 }
 
 void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
                        Path& path) const {
     path.vertices.clear();
+    path.sees_sun = false;
     SamplePoint u = sampler.point(sample, 0);
     Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
     ray.origin = ray.origin - scene_.accel.center();
@@ -79,6 +86,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
     if (!hit) {
         path.sky = scene_.sky.locate(ray.direction);
         path.sky_turn = turn_between(fixed_frame(ray.direction), toward);
+        path.sees_sun = scene_.sun.contains(ray.direction);
         return;
     }
     for (int depth = 1; hit; ++depth) {
@@ -90,10 +98,14 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         vertex.distance = hit->distance + (depth == 1 ? skipped : 0);
         if (surface.directions().black()) return;
 
-        // Sky light from a direction drawn by the sky's brightness.
+        // Light from a direction drawn by the sky's brightness, and from the sun.
         const Basis basis(hit->n, wo);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
         sample_sky(*hit, basis, wo, lobes, u, toward, path);
+        if (scene_.sun.present()) {
+            const std::uint32_t block = kSunBlocks + static_cast<std::uint32_t>(depth);
+            sample_sun(*hit, basis, wo, lobes, sampler.point(sample, block), toward, path);
+        }
 
         // A direction drawn by the surface's lobes; facets that point it underground reflect none.
         const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
@@ -119,10 +131,22 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         } else {
             vertex.onward_light = scene_.sky.locate(wi);
             vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
-            vertex.onward.weight =
-                cos_i * sky_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);
+            const double weight =
+                light_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);
+            vertex.onward.weight = cos_i * weight;
+            if (weight > 0 && scene_.sun.contains(wi))
+                vertex.onward_sun =
+                    light_weight(scene_.sun.pdf(), pdf, Lighting::kSurfaceSamples) / weight;
         }
     }
+}
+
+// Does light from w reach the hit?
+bool PathTracer::sees_sky(const Hit& hit, const Vec3& w, Path& path) const {
+    if (!(dot(w, hit.n) > 0) || !(dot(w, hit.ng) > 0)) return false;
+    const Ray shadow{Accel::leave(hit, w), w};
+    path.count(shadow, RayKind::kAnyHit);
+    return !scene_.accel.occluded(shadow.origin, shadow.direction);
 }
 
 // Fills the last vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
@@ -130,19 +154,30 @@ void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                             const DirectionSampler::View& lobes, const SamplePoint& u,
                             const BeamFrame& toward, Path& path) const {
     const SkySample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
-    const double cos_i = dot(sky.w, hit.n);
-    if (!(sky.at.pdf > 0) || !(cos_i > 0) || !(dot(sky.w, hit.ng) > 0)) return;
-    const Ray shadow{Accel::leave(hit, sky.w), sky.w};
-    path.count(shadow, RayKind::kAnyHit);
-    if (scene_.accel.occluded(shadow.origin, shadow.direction)) return;
+    if (!(sky.at.pdf > 0) || !sees_sky(hit, sky.w, path)) return;
     Vertex& vertex = path.vertices.back();
     Bounce& bounce = vertex.sky_sample;
     bounce.geometry = reflection(hit.n, sky.w, wo);
     bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);
     bounce.out = turn_between(bounce.geometry.out, toward);
     bounce.weight =
-        cos_i * sky_weight(sky.at.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kSkySamples);
+        bounce.geometry.cos_i *
+        light_weight(sky.at.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kLightSamples);
     vertex.sky_sample_light = sky.at;
+}
+
+// Fills the last vertex's sun_sample if a direction to the sun's disc sees it.
+void PathTracer::sample_sun(const Hit& hit, const Basis& basis, const Vec3& wo,
+                            const DirectionSampler::View& lobes, const SamplePoint& u,
+                            const BeamFrame& toward, Path& path) const {
+    const Vec3 w = scene_.sun.sample(u[kSun1], u[kSun2]);
+    if (w.y < 0 || !sees_sky(hit, w, path)) return;
+    Bounce& bounce = path.vertices.back().sun_sample;
+    bounce.geometry = reflection(hit.n, w, wo);
+    bounce.out = turn_between(bounce.geometry.out, toward);
+    bounce.weight =
+        bounce.geometry.cos_i *
+        light_weight(scene_.sun.pdf(), lobes.pdf(basis.to_local(w)), Lighting::kLightSamples);
 }
 
 void PathTracer::shade(const Path& path, float* S) const {
@@ -150,15 +185,21 @@ void PathTracer::shade(const Path& path, float* S) const {
         Stokes<Lanes> light{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
         if (path.vertices.empty())
             light = turned(sky_light(scene_.sky, path.sky, first), path.sky_turn);
+        if (path.vertices.empty() && path.sees_sun) light = light + sun_light(scene_.sun, first);
         for (auto vertex = path.vertices.rbegin(); vertex != path.vertices.rend(); ++vertex) {
             const Surface& surface = scene_.surface_of(vertex->instance);
             const bool onward_sky = is_sky(vertex->onward_light);
             if (onward_sky) light = sky_light(scene_.sky, vertex->onward_light, first);
+            if (vertex->onward_sun > 0)
+                light = light + real<Lanes>(vertex->onward_sun) * sun_light(scene_.sun, first);
             light = vertex->onward.weight > 0 ? reflected(surface, first, vertex->onward, light)
                                               : 0.f * light;
             if (vertex->sky_sample.weight > 0)
                 light = light + reflected(surface, first, vertex->sky_sample,
                                           sky_light(scene_.sky, vertex->sky_sample_light, first));
+            if (vertex->sun_sample.weight > 0)
+                light = light +
+                        reflected(surface, first, vertex->sun_sample, sun_light(scene_.sun, first));
         }
         light.s0.store_unaligned(S + first);
         light.s1.store_unaligned(S + stride() + first);

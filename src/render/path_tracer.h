@@ -4,10 +4,11 @@
 //   the surface met reflects.
 //
 // Trace   from the detector into the scene. Each vertex draws one direction by the sky's
-//         brightness and one by the surface's lobes; sky light found by both is weighed by the
-//         balance heuristic (Veach & Guibas 1995): cosθi / (p_sky + p_surface). The second
-//         direction also leads on to the next vertex, with weight cosθi / p_surface.
-// Shade   from the far end back: S ← light of the sky + M·S, in vector registers over wavelength.
+//         brightness, one to the sun's disc if there is one, and one by the surface's lobes. Light
+//         that two of them find is weighed by the balance heuristic (Veach & Guibas 1995):
+//         cosθi / (p_sky + p_surface), cosθi / (p_sun + p_surface). The last direction also leads
+//         on to the next vertex, with weight cosθi / p_surface.
+// Shade   from the far end back: S ← light of sky and sun + M·S, in vector registers over wavelength.
 //         Turns between frames are two numbers a segment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
@@ -32,8 +33,10 @@ struct Vertex {
     double distance;    ///< from the previous vertex, m
     Bounce sky_sample;  ///< direction drawn by the sky's brightness
     SkyLookup sky_sample_light;
+    Bounce sun_sample;       ///< direction to the sun's disc
     Bounce onward;           ///< direction drawn by the surface's lobes
     SkyLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
+    double onward_sun = 0;   ///< weight of the sun's light there, in onward.weight; 0 off the disc
 };
 
 enum class RayKind { kFirstHit, kAnyHit };
@@ -47,6 +50,7 @@ struct Path {
     std::vector<Vertex> vertices;  ///< from the detector on
     SkyLookup sky;                 ///< what the detector sees directly, if no vertex
     Turn sky_turn;
+    bool sees_sun = false;                  ///< the sun's disc is there, too
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
     std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
 
@@ -72,7 +76,11 @@ class PathTracer {
     void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                     const DirectionSampler::View& lobes, const SamplePoint& u,
                     const BeamFrame& toward, Path& path) const;
-    double sky_weight(double by_sky, double by_surface, Lighting drawn_by) const;
+    void sample_sun(const Hit& hit, const Basis& basis, const Vec3& wo,
+                    const DirectionSampler::View& lobes, const SamplePoint& u,
+                    const BeamFrame& toward, Path& path) const;
+    bool sees_sky(const Hit& hit, const Vec3& w, Path& path) const;
+    double light_weight(double by_light, double by_surface, Lighting drawn_by) const;
 
     const PreparedScene::Impl& scene_;
     const Camera& camera_;

@@ -45,6 +45,7 @@ PreparedScene::Impl::Impl(Scene s, std::vector<int> p, const std::vector<Materia
       paints(std::move(p)),
       wavelengths_nm(std::move(nm)),
       sky(map, wavelengths_nm),
+      sun(map, wavelengths_nm),
       accel(scene) {
     EXPECT(paints.size() == scene.instances.size());
     // Only paints in use must cover the wavelengths.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "malus/render/render.h"
+#include "malus/scene/sun_disc.h"
 #include "render/accel.h"
 #include "render/direction_sampler.h"
 #include "render/lanes.h"
@@ -35,6 +36,7 @@ struct PreparedScene::Impl {
     std::vector<double> wavelengths_nm;
     std::vector<Surface> surfaces;
     SkyDome sky;
+    SunDisc sun;
     Accel accel;  // refers to scene
 
     Impl(Scene s, std::vector<int> p, const std::vector<Material>& materials, const Sky& map,

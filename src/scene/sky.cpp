@@ -40,6 +40,19 @@ double make_cdf(double* weights, std::size_t cells) {
 
 }  // namespace
 
+std::vector<std::size_t> wavelength_indices(const Sky& sky,
+                                            std::span<const double> wavelengths_nm) {
+    std::vector<std::size_t> which;
+    for (double nm : wavelengths_nm) {
+        const auto index = find_wavelength(sky.wavelengths_nm, nm);
+        if (!index)
+            throw Error("sky: no wavelength " + to_text(nm) + " nm; it has " +
+                        to_text(sky.wavelengths_nm) + " nm");
+        which.push_back(*index);
+    }
+    return which;
+}
+
 BeamFrame meridian_frame(const Vec3& w) {
     const double h = std::sqrt(w.x * w.x + w.z * w.z);
     const Vec3 x = h == 0 ? (w.y > 0 ? -kNorth : kNorth) : Vec3{-w.x * w.y / h, h, -w.z * w.y / h};
@@ -78,14 +91,7 @@ std::size_t SkyDome::Axis::cell(double x) const {
 
 SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
     : wavelength_count_(wavelengths_nm.size()) {
-    std::vector<std::size_t> which;
-    for (double nm : wavelengths_nm) {
-        const auto index = find_wavelength(sky.wavelengths_nm, nm);
-        if (!index)
-            throw Error("sky: no wavelength " + to_text(nm) + " nm; it has " +
-                        to_text(sky.wavelengths_nm) + " nm");
-        which.push_back(*index);
-    }
+    const std::vector<std::size_t> which = wavelength_indices(sky, wavelengths_nm);
     // The zenith and the horizon become nodes, so that no direction lies outside the grid, and the
     // first azimuth stands once more behind the last.
     std::vector<double> zeniths = sky.zeniths, azimuths;

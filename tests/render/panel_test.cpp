@@ -32,7 +32,7 @@ TEST_CASE("Panel: sky samples, surface samples and both together agree", "[rende
                             0);
     };
     const PictureMean both = estimate(Lighting::kBoth);
-    for (Lighting one : {Lighting::kSkySamples, Lighting::kSurfaceSamples}) {
+    for (Lighting one : {Lighting::kLightSamples, Lighting::kSurfaceSamples}) {
         const PictureMean alone = estimate(one);
         const auto z = [&](double a, double ea, double b, double eb) {
             return std::abs(a - b) / std::hypot(ea, eb);

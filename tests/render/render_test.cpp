@@ -270,7 +270,7 @@ TEST_CASE("Leaning normals: no light from behind the surface leaks through it", 
     const Camera camera = look_at({0, 0, 0}, 70, 180, 0.2);
     RenderSettings settings;
     settings.width = settings.height = 4, settings.spp = 256;
-    for (Lighting lighting : {Lighting::kSkySamples, Lighting::kSurfaceSamples}) {
+    for (Lighting lighting : {Lighting::kLightSamples, Lighting::kSurfaceSamples}) {
         settings.lighting = lighting;
         const PreparedScene prepared(scene, {0}, {lambertian(0.5)}, sky, kTwo);
         CHECK(picture_mean(render(prepared, camera, settings).film, 0).mean.s0 == 0);

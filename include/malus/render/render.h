@@ -17,8 +17,9 @@
 
 namespace malus {
 
-/// Which samples light a surface; both unless a test or a comparison of methods wants one.
-enum class Lighting { kBoth, kSkySamples, kSurfaceSamples };
+/// Which samples light a surface: drawn by sky and sun, by the surface's lobes, or both, unless a test
+/// or a comparison of methods wants one.
+enum class Lighting { kBoth, kLightSamples, kSurfaceSamples };
 
 struct RenderSettings {
     int width = 512, height = 512;  ///< pixels

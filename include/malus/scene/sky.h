@@ -41,6 +41,9 @@ struct Sky {
     }
 };
 
+/// Where each wavelength stands in the map. Throws Error when the sky lacks one.
+std::vector<std::size_t> wavelength_indices(const Sky& sky, std::span<const double> wavelengths_nm);
+
 /// The meridian frame of the light that comes from sky direction w; at the zenith itself the
 /// frame of azimuth 0.
 BeamFrame meridian_frame(const Vec3& w);
