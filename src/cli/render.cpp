@@ -209,6 +209,7 @@ void add_provenance(Image& image, const RenderOptions& options, const RenderStat
     image.attributes["materials"] = options.materials;
     image.attributes["assign"] = options.assign;
     image.attributes["view"] = view_text(options);
+    image.attributes["skyGridCells"] = static_cast<int>(stats.sky.cells);
     image.attributes["samplesPerPixel"] = static_cast<int>(stats.spp);
     image.attributes["maxDepth"] = stats.max_depth;
 }
@@ -297,6 +298,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     const PreparedScene prepared(std::move(in.scene), in.paints, in.materials, in.sky,
                                  in.wavelengths_nm);
     stats.build_s = seconds_since(start);
+    stats.sky = prepared.sky_resampling();
 
     start = std::chrono::steady_clock::now();
     const RenderSettings settings = final_settings(options);

@@ -74,6 +74,11 @@ void write_stats(const std::filesystem::path& path, const RenderStats& stats,
     for (const RefusedSample& r : result.first_refused)
         json["rejected"].push_back(
             {{"x", r.x}, {"y", r.y}, {"replicate", r.replicate}, {"sample", r.sample}});
+    json["sky_grid"] = {{"cells", stats.sky.cells},
+                        {"rms_S0_relative", stats.sky.rms_s0},
+                        {"largest_S0_relative", stats.sky.largest_s0},
+                        {"rms_DoLP", stats.sky.rms_dolp},
+                        {"largest_DoLP", stats.sky.largest_dolp}};
     json["peak_memory_mib"] = peak_memory_mib();
     for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) {
         const ErrorSummary error = summarize_error(film, w);

@@ -10,7 +10,9 @@ enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kPixelX, kPixelY };
 enum SunDimension { kSun1, kSun2 };
 constexpr std::uint32_t kSunBlocks = 1u << 20;  // blocks of their own, beyond any path's vertices
 
-Stokes<Lanes> sky_light(const SkyDome& sky, const SkyLookup& at, std::size_t first) {
+// Rows of a SkyDome or a SkyEmitter.
+template <class Rows>
+Stokes<Lanes> sky_light(const Rows& sky, const SkyLookup& at, std::size_t first) {
     Stokes<Lanes> S{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
     for (std::size_t i = 0; i < 4; ++i) {
         const Lanes weight(at.weight[i]);
@@ -84,7 +86,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
     path.count(ray, RayKind::kFirstHit);
     std::optional<Hit> hit = scene_.accel.intersect(ray.origin, ray.direction);
     if (!hit) {
-        path.sky = scene_.sky.locate(ray.direction);
+        path.sky = scene_.sky.dome().locate(ray.direction);
         path.sky_turn = turn_between(fixed_frame(ray.direction), toward);
         path.sees_sun = scene_.sun.contains(ray.direction);
         return;
@@ -153,8 +155,8 @@ bool PathTracer::sees_sky(const Hit& hit, const Vec3& w, Path& path) const {
 void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                             const DirectionSampler::View& lobes, const SamplePoint& u,
                             const BeamFrame& toward, Path& path) const {
-    const SkySample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
-    if (!(sky.at.pdf > 0) || !sees_sky(hit, sky.w, path)) return;
+    const LightSample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
+    if (!(sky.light.pdf > 0) || !sees_sky(hit, sky.w, path)) return;
     Vertex& vertex = path.vertices.back();
     Bounce& bounce = vertex.sky_sample;
     bounce.geometry = reflection(hit.n, sky.w, wo);
@@ -162,8 +164,8 @@ void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
     bounce.out = turn_between(bounce.geometry.out, toward);
     bounce.weight =
         bounce.geometry.cos_i *
-        light_weight(sky.at.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kLightSamples);
-    vertex.sky_sample_light = sky.at;
+        light_weight(sky.light.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kLightSamples);
+    vertex.sky_sample_light = sky.light;
 }
 
 // Fills the last vertex's sun_sample if a direction to the sun's disc sees it.
@@ -184,19 +186,20 @@ void PathTracer::shade(const Path& path, float* S) const {
     for (std::size_t first = 0; first < stride(); first += kLanes) {
         Stokes<Lanes> light{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
         if (path.vertices.empty())
-            light = turned(sky_light(scene_.sky, path.sky, first), path.sky_turn);
+            light = turned(sky_light(scene_.sky.dome(), path.sky, first), path.sky_turn);
         if (path.vertices.empty() && path.sees_sun) light = light + sun_light(scene_.sun, first);
         for (auto vertex = path.vertices.rbegin(); vertex != path.vertices.rend(); ++vertex) {
             const Surface& surface = scene_.surface_of(vertex->instance);
-            const bool onward_sky = is_sky(vertex->onward_light);
-            if (onward_sky) light = sky_light(scene_.sky, vertex->onward_light, first);
+            const bool onward_sky = is_sky(vertex->onward_light.at);
+            if (onward_sky) light = sky_light(scene_.sky, vertex->onward_light.at, first);
             if (vertex->onward_sun > 0)
                 light = light + real<Lanes>(vertex->onward_sun) * sun_light(scene_.sun, first);
             light = vertex->onward.weight > 0 ? reflected(surface, first, vertex->onward, light)
                                               : 0.f * light;
             if (vertex->sky_sample.weight > 0)
-                light = light + reflected(surface, first, vertex->sky_sample,
-                                          sky_light(scene_.sky, vertex->sky_sample_light, first));
+                light =
+                    light + reflected(surface, first, vertex->sky_sample,
+                                      sky_light(scene_.sky, vertex->sky_sample_light.at, first));
             if (vertex->sun_sample.weight > 0)
                 light = light +
                         reflected(surface, first, vertex->sun_sample, sun_light(scene_.sun, first));

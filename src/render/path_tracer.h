@@ -32,11 +32,11 @@ struct Vertex {
     int instance;
     double distance;    ///< from the previous vertex, m
     Bounce sky_sample;  ///< direction drawn by the sky's brightness
-    SkyLookup sky_sample_light;
-    Bounce sun_sample;       ///< direction to the sun's disc
-    Bounce onward;           ///< direction drawn by the surface's lobes
-    SkyLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
-    double onward_sun = 0;   ///< weight of the sun's light there, in onward.weight; 0 off the disc
+    LightLookup sky_sample_light;
+    Bounce sun_sample;         ///< direction to the sun's disc
+    Bounce onward;             ///< direction drawn by the surface's lobes
+    LightLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
+    double onward_sun = 0;  ///< weight of the sun's light there, in onward.weight; 0 off the disc
 };
 
 enum class RayKind { kFirstHit, kAnyHit };

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/prepared_scene.h"
 
+#include <limits>
+#include <set>
+
 #include "malus/core/contract.h"
 
 namespace malus {
@@ -24,6 +27,16 @@ Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t first,
     return Lanes::load_aligned(values.data());
 }
 
+// Least RMS slope of the paints in use that reflect by facets.
+double sharpest_slope(const std::vector<int>& paints, const std::vector<Material>& materials,
+                      std::span<const double> wavelengths_nm) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int paint : std::set<int>(paints.begin(), paints.end()))
+        for (const auto& row : rows_at(materials[static_cast<std::size_t>(paint)], wavelengths_nm))
+            if (row.B > 0) least = std::min(least, row.sigma);
+    return least;
+}
+
 }  // namespace
 
 Surface::Surface(const Material& material, std::span<const double> wavelengths_nm)
@@ -44,7 +57,7 @@ PreparedScene::Impl::Impl(Scene s, std::vector<int> p, const std::vector<Materia
     : scene(std::move(s)),
       paints(std::move(p)),
       wavelengths_nm(std::move(nm)),
-      sky(map, wavelengths_nm),
+      sky(map, wavelengths_nm, sharpest_slope(paints, materials, wavelengths_nm)),
       sun(map, wavelengths_nm),
       accel(scene) {
     EXPECT(paints.size() == scene.instances.size());
@@ -75,6 +88,10 @@ const Scene& PreparedScene::scene() const {
 }
 const std::vector<double>& PreparedScene::wavelengths_nm() const {
     return impl_->wavelengths_nm;
+}
+
+const SkyResampling& PreparedScene::sky_resampling() const {
+    return impl_->sky.resampling();
 }
 
 }  // namespace malus

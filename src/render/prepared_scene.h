@@ -9,6 +9,7 @@
 #include "render/accel.h"
 #include "render/direction_sampler.h"
 #include "render/lanes.h"
+#include "scene/sky_emitter.h"
 
 namespace malus {
 
@@ -35,7 +36,7 @@ struct PreparedScene::Impl {
     std::vector<int> paints;  // per instance, index into surfaces
     std::vector<double> wavelengths_nm;
     std::vector<Surface> surfaces;
-    SkyDome sky;
+    SkyEmitter sky;
     SunDisc sun;
     Accel accel;  // refers to scene
 

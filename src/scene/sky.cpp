@@ -10,36 +10,6 @@
 #include "malus/optics/wavelengths.h"
 
 namespace malus {
-namespace {
-
-// Index of the last entry of the ascending cdf (first 0, last 1) that is ≤ u, of a cell that is
-// not empty.
-std::size_t find_cell(const double* cdf, std::size_t cells, double u) {
-    const double* found = std::upper_bound(cdf, cdf + cells, u);
-    std::size_t i = static_cast<std::size_t>(found - cdf);
-    i = i > 0 ? i - 1 : 0;
-    while (i + 1 < cells && cdf[i + 1] == cdf[i]) ++i;
-    while (i > 0 && cdf[i + 1] == cdf[i]) --i;
-    return i;
-}
-
-// Turns weights[0..cells) into a cdf in place, weights[cells] becoming 1; returns their sum.
-double make_cdf(double* weights, std::size_t cells) {
-    double sum = 0;
-    for (std::size_t i = 0; i < cells; ++i) {
-        const double w = weights[i];
-        weights[i] = sum;
-        sum += w;
-    }
-    weights[cells] = sum;
-    if (sum > 0)
-        for (std::size_t i = 0; i <= cells; ++i) weights[i] /= sum;
-    if (sum > 0) weights[cells] = 1;
-    return sum;
-}
-
-}  // namespace
-
 std::vector<std::size_t> wavelength_indices(const Sky& sky,
                                             std::span<const double> wavelengths_nm) {
     std::vector<std::size_t> which;
@@ -68,27 +38,6 @@ BeamFrame fixed_frame(const Vec3& w) {
     return {-w, {-w.x * q, -w.z, 1 - w.z * q}};
 }
 
-SkyDome::Axis::Axis(std::vector<double> nodes) : nodes_(std::move(nodes)) {
-    const std::size_t guides = 2 * nodes_.size();
-    scale_ = static_cast<double>(guides) / (nodes_.back() - nodes_.front());
-    guide_.resize(guides + 1);
-    for (std::size_t g = 0; g <= guides; ++g) {
-        const double x = nodes_.front() + static_cast<double>(g) / scale_;
-        const auto above = std::upper_bound(nodes_.begin(), nodes_.end() - 1, x);
-        guide_[g] = static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(
-            0, std::min<std::ptrdiff_t>(above - nodes_.begin() - 1, std::ssize(nodes_) - 2)));
-    }
-}
-
-std::size_t SkyDome::Axis::cell(double x) const {
-    const double g = (x - nodes_.front()) * scale_;
-    const double last = static_cast<double>(guide_.size() - 1);
-    std::size_t i = guide_[static_cast<std::size_t>(std::clamp(g, 0.0, last))];
-    while (i > 0 && nodes_[i] > x) --i;
-    while (i + 2 < nodes_.size() && nodes_[i + 1] <= x) ++i;
-    return i;
-}
-
 SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
     : wavelength_count_(wavelengths_nm.size()) {
     const std::vector<std::size_t> which = wavelength_indices(sky, wavelengths_nm);
@@ -99,10 +48,9 @@ SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
     if (zeniths.back() < kPi / 2) zeniths.push_back(kPi / 2);
     const std::vector<Column> columns = columns_of(sky);
     for (const Column& column : columns) azimuths.push_back(column.azimuth);
-    zenith_ = Axis(std::move(zeniths));
-    azimuth_ = Axis(std::move(azimuths));
+    zenith_ = GuidedAxis(std::move(zeniths));
+    azimuth_ = GuidedAxis(std::move(azimuths));
     fill_nodes(sky, columns, which);
-    build_distribution();
 }
 
 // The map's columns, with others between where they are more than 1.5° apart.
@@ -190,45 +138,17 @@ void SkyDome::fill_nodes(const Sky& sky, const std::vector<Column>& columns,
     }
 }
 
-void SkyDome::build_distribution() {
-    const std::size_t rows = zenith_.cells(), columns = azimuth_.cells();
-    std::vector<double> mean(wavelength_count_, 0.0);
-    for (std::size_t node = 0; node < (rows + 1) * (columns + 1); ++node)
-        for (std::size_t w = 0; w < wavelength_count_; ++w)
-            mean[w] += static_cast<double>(row(static_cast<std::uint32_t>(node), 0)[w]);
-    const auto brightness = [&](std::size_t node) {
-        double sum = 0;
-        for (std::size_t w = 0; w < wavelength_count_; ++w)
-            if (mean[w] > 0)
-                sum += static_cast<double>(row(static_cast<std::uint32_t>(node), 0)[w]) / mean[w];
-        return sum;
-    };
-    cos_zenith_.clear();
-    for (std::size_t r = 0; r <= rows; ++r) cos_zenith_.push_back(std::cos(zenith_.node(r)));
-    row_cdf_.assign(rows + 1, 0.0);
-    column_cdf_.assign(rows * (columns + 1), 0.0);
-    for (std::size_t r = 0; r < rows; ++r) {
-        double* cells = &column_cdf_[r * (columns + 1)];
-        const double band = cos_zenith_[r] - cos_zenith_[r + 1];
-        for (std::size_t c = 0; c < columns; ++c) {
-            const std::size_t node = r * (columns + 1) + c;
-            const double solid_angle = band * (azimuth_.node(c + 1) - azimuth_.node(c));
-            cells[c] =
-                solid_angle * (brightness(node) + brightness(node + 1) +
-                               brightness(node + columns + 1) + brightness(node + columns + 2));
-        }
-        row_cdf_[r] = make_cdf(cells, columns);
-    }
-    make_cdf(row_cdf_.data(), rows);
-    density_.assign(rows * columns, 0.0);
-    for (std::size_t r = 0; r < rows; ++r)
-        for (std::size_t c = 0; c < columns; ++c) {
-            const double* cdf = &column_cdf_[r * (columns + 1)];
-            const double solid_angle =
-                (cos_zenith_[r] - cos_zenith_[r + 1]) * (azimuth_.node(c + 1) - azimuth_.node(c));
-            density_[r * columns + c] =
-                (row_cdf_[r + 1] - row_cdf_[r]) * (cdf[c + 1] - cdf[c]) / solid_angle;
-        }
+double SkyDome::spacing() const {
+    double least = azimuth_spacing();
+    // Not the steps to pole and horizon, which may be half ones.
+    for (std::size_t i = 1; i + 1 < zenith_.cells(); ++i) least = std::min(least, zenith_.width(i));
+    return least;
+}
+
+double SkyDome::azimuth_spacing() const {
+    double least = kPi / 2;
+    for (std::size_t i = 0; i < azimuth_.cells(); ++i) least = std::min(least, azimuth_.width(i));
+    return least;
 }
 
 // The azimuth brought into the range of the axis, which starts at the map's first column.
@@ -249,36 +169,11 @@ SkyLookup SkyDome::lookup(std::size_t r, std::size_t c, double v, double u) cons
     const auto below = static_cast<std::uint32_t>(node + azimuth_.cells() + 1);
     return {{node, node + 1, below, below + 1},
             {static_cast<float>((1 - v) * (1 - u)), static_cast<float>((1 - v) * u),
-             static_cast<float>(v * (1 - u)), static_cast<float>(v * u)},
-            density_[r * azimuth_.cells() + c]};
+             static_cast<float>(v * (1 - u)), static_cast<float>(v * u)}};
 }
 
 Stokes<double> SkyDome::radiance(const Vec3& w, std::size_t wavelength) const {
-    const SkyLookup at = locate(w);
-    std::array<double, 4> S{};
-    for (std::size_t i = 0; i < 4; ++i)
-        for (int c = 0; c < 4; ++c)
-            S[static_cast<std::size_t>(c)] += static_cast<double>(at.weight[i]) *
-                                              static_cast<double>(row(at.node[i], c)[wavelength]);
-    return {S[0], S[1], S[2], S[3]};
-}
-
-SkySample SkyDome::sample(double u1, double u2) const {
-    const std::size_t rows = zenith_.cells(), columns = azimuth_.cells();
-    if (row_cdf_[rows] == 0) return {};
-    const std::size_t r = find_cell(row_cdf_.data(), rows, u1);
-    const double* cdf = &column_cdf_[r * (columns + 1)];
-    const std::size_t c = find_cell(cdf, columns, u2);
-    const double v = std::clamp((u1 - row_cdf_[r]) / (row_cdf_[r + 1] - row_cdf_[r]), 0.0, 1.0);
-    const double u = std::clamp((u2 - cdf[c]) / (cdf[c + 1] - cdf[c]), 0.0, 1.0);
-    // Uniform in solid angle within the cell.
-    const double top = cos_zenith_[r], bottom = cos_zenith_[r + 1];
-    const double cos_z = std::max(0.0, top + v * (bottom - top));
-    const double sin_z = std::sqrt((1 - cos_z) * (1 + cos_z));
-    const double a = azimuth_.node(c) + u * (azimuth_.node(c + 1) - azimuth_.node(c));
-    const double z = std::atan2(sin_z, cos_z);
-    return {{sin_z * std::sin(a), cos_z, -sin_z * std::cos(a)},
-            lookup(r, c, zenith_.fraction(r, z), u)};
+    return light_at(*this, locate(w), wavelength);
 }
 
 }  // namespace malus

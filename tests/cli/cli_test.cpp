@@ -166,6 +166,7 @@ TEST_CASE("Render: an image with every channel and attribute of the format", "[c
                             "rays_per_s",
                             "rejected_samples",
                             "peak_memory_mib",
+                            "sky_grid",
                             "error",
                             "rms_S0_relative",
                             "rms_DoLP",

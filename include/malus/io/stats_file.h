@@ -3,6 +3,8 @@
 // Keys    version, scene, wavelengths_nm, width, height, spp, max_depth, seed, threads,
 //         wall_s {load, build, render, write}, paths, rays, rays_per_s, rejected_samples,
 //         rejected [{x, y, replicate, sample}], peak_memory_mib,
+//         sky_grid {cells, rms_S0_relative, largest_S0_relative, rms_DoLP, largest_DoLP}: what
+//         resampling the sky changed (cells 0: the map itself was used),
 //         error {"440": {rms_S0_relative, rms_DoLP, p95_DoLP}}, stopped_by.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
@@ -27,6 +29,7 @@ struct RenderStats {
     std::uint32_t spp = 0;
     int max_depth = 0, threads = 0;
     std::uint64_t seed = 0;
+    SkyResampling sky;
     double load_s = 0, build_s = 0, render_s = 0, write_s = 0;
 };
 

@@ -51,6 +51,7 @@ class PreparedScene {
 
     const Scene& scene() const;
     const std::vector<double>& wavelengths_nm() const;
+    const SkyResampling& sky_resampling() const;
 
     struct Impl;
     const Impl& impl() const { return *impl_; }

@@ -17,7 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "malus/core/frame.h"
 #include "malus/optics/stokes.h"
+#include "malus/scene/guided_axis.h"
 
 namespace malus {
 
@@ -55,16 +57,10 @@ BeamFrame fixed_frame(const Vec3& w);
 struct SkyLookup {
     std::array<std::uint32_t, 4> node{};
     std::array<float, 4> weight{};  ///< ≥ 0, sum 1; all 0 below the horizon
-    double pdf = 0;                 ///< density of SkyDome::sample() there, sr⁻¹
 };
 
-/// A direction drawn from the sky, and where it lies.
-struct SkySample {
-    Vec3 w;
-    SkyLookup at;
-};
-
-/// A sky prepared for rendering some of its wavelengths. Immutable; many threads may share it.
+/// Some wavelengths of a sky map, made ready to be read at any direction. Immutable; many threads may
+/// share it.
 class SkyDome {
   public:
     /// Throws Error when the sky lacks one of the wavelengths.
@@ -80,9 +76,17 @@ class SkyDome {
     /// One wavelength of the light from w, in fixed_frame(w).
     Stokes<double> radiance(const Vec3& w, std::size_t wavelength) const;
 
-    /// Draws a direction by S0 (each wavelength weighs the same) from two numbers in (0,1).
-    /// at.pdf = 0 where the whole sky is black.
-    SkySample sample(double u1, double u2) const;
+    std::size_t wavelength_count() const { return wavelength_count_; }
+    /// The map's finest step, rad: of zenith angle, or of azimuth at the horizon.
+    double spacing() const;
+    /// Where the azimuths of the map begin, rad.
+    double first_azimuth() const { return azimuth_.node(0); }
+    double azimuth_spacing() const;  ///< the finest step, rad
+    const GuidedAxis& zenith_axis() const { return zenith_; }
+    /// Calls visit(w, solid_angle, lookup) for parts that fill the dome, `spacing` rad wide or less:
+    /// the middle of each part, which lies between four nodes.
+    template <class Visit>
+    void for_each_part(double spacing, const Visit& visit) const;
 
     static constexpr std::size_t kPadding = 64;
 
@@ -99,39 +103,61 @@ class SkyDome {
                                        const Column& column);
     static Stokes<double> at_horizon(const Sky& sky, std::size_t w, const Column& column);
 
-    // Ascending coordinates with a guide table, so that a search takes constant time.
-    class Axis {
-      public:
-        Axis() = default;
-        explicit Axis(std::vector<double> nodes);
-        std::size_t cell(double x) const;  // largest i with nodes[i] ≤ x, kept in range
-        double node(std::size_t i) const { return nodes_[i]; }
-        std::size_t cells() const { return nodes_.size() - 1; }
-        /// Where x lies in cell i, brought to [0,1].
-        double fraction(std::size_t i, double x) const {
-            return std::clamp((x - nodes_[i]) / (nodes_[i + 1] - nodes_[i]), 0.0, 1.0);
-        }
-
-      private:
-        std::vector<double> nodes_;
-        std::vector<std::uint32_t> guide_;
-        double scale_ = 0;
-    };
-
     void fill_nodes(const Sky& sky, const std::vector<Column>& columns,
                     std::span<const std::size_t> which);
     void store(std::size_t row, std::size_t column, std::size_t w, const Stokes<double>& S);
-    void build_distribution();
     double wrapped(double azimuth) const;
     SkyLookup lookup(std::size_t r, std::size_t c, double v, double u) const;
 
     std::size_t wavelength_count_ = 0;
-    Axis zenith_, azimuth_;           // with pole, horizon and the first azimuth once more
-    std::vector<float> data_;         // [node][component][wavelength]
-    std::vector<double> cos_zenith_;  // of the zenith nodes
-    std::vector<double> row_cdf_;     // over zenith cells
-    std::vector<double> column_cdf_;  // [zenith cell][azimuth cell + 1]
-    std::vector<double> density_;     // [zenith cell][azimuth cell], sr⁻¹
+    GuidedAxis zenith_, azimuth_;  // with pole, horizon and the first azimuth once more
+    std::vector<float> data_;      // [node][component][wavelength]
 };
+
+/// What the map of a sky was made into to light a scene: an equal-area grid as fine as the sharpest paint
+/// can tell. Changes are point by point over the dome and all wavelengths, before a surface evens them
+/// out.
+struct SkyResampling {
+    std::size_t cells = 0;                  ///< along the grid's side; 0: the map itself is used
+    double rms_s0 = 0, largest_s0 = 0;      ///< change of S0, relative
+    double rms_dolp = 0, largest_dolp = 0;  ///< change of DoLP
+};
+
+/// One wavelength of the light at a place among rows (of a SkyDome, or a grid made of one).
+template <class Rows>
+Stokes<double> light_at(const Rows& rows, const SkyLookup& at, std::size_t wavelength) {
+    std::array<double, 4> S{};
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t c = 0; c < 4; ++c)
+            S[c] += static_cast<double>(at.weight[i]) *
+                    static_cast<double>(rows.row(at.node[i], static_cast<int>(c))[wavelength]);
+    return {S[0], S[1], S[2], S[3]};
+}
+
+template <class Visit>
+void SkyDome::for_each_part(double spacing, const Visit& visit) const {
+    const auto parts_of = [&](double width) {
+        return static_cast<std::size_t>(std::max(1.0, std::ceil(width / spacing - 1e-9)));
+    };
+    for (std::size_t r = 0; r < zenith_.cells(); ++r) {
+        const double z0 = zenith_.node(r), height = zenith_.node(r + 1) - z0;
+        const std::size_t bands = parts_of(height);
+        for (std::size_t band = 0; band < bands; ++band) {
+            const double v0 = static_cast<double>(band) / static_cast<double>(bands);
+            const double v1 = static_cast<double>(band + 1) / static_cast<double>(bands);
+            const double v = 0.5 * (v0 + v1), z = z0 + v * height;
+            const double across = std::cos(z0 + v0 * height) - std::cos(z0 + v1 * height);
+            for (std::size_t c = 0; c < azimuth_.cells(); ++c) {
+                const double a0 = azimuth_.node(c), width = azimuth_.node(c + 1) - a0;
+                const std::size_t parts = parts_of(width * std::sin(z));
+                for (std::size_t part = 0; part < parts; ++part) {
+                    const double u = (static_cast<double>(part) + 0.5) / static_cast<double>(parts);
+                    visit(direction(z, a0 + u * width), across * width / static_cast<double>(parts),
+                          lookup(r, c, v, u));
+                }
+            }
+        }
+    }
+}
 
 }  // namespace malus

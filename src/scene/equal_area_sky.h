@@ -1,0 +1,69 @@
+// equal_area_sky.h — a sky on an equal-area grid (equal_area.h), and how it is made coarser and finer.
+//
+// Nodes   (cells + 1)², each with rows of wavelengths in fixed_frame; light between them is bilinear in
+//         the square.
+// Turned  azimuths count from where the map's begin, so that the grid turns with the map.
+// Hats    node i stands for the hat h_i: 1 there, 0 at its neighbours. A grid holds either means
+//         m_i = ∫ h_i L / ∫ h_i, or the values v_i of the bilinear light Σ v_i h_i. Σ_j (∫ h_i h_j) v_j =
+//         m_i ∫ h_i leads from one to the other: the bilinear light nearest to L in the square mean.
+// Units   as the sky's.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "malus/scene/sky.h"
+#include "scene/equal_area.h"
+
+namespace malus {
+
+/// Of a direction above the horizon; azimuths from `first`.
+DomePoint dome_point(const Vec3& w, double first_azimuth);
+Vec3 direction_of(const DomePoint& p, double first_azimuth);
+
+/// Where a point lies on a grid.
+struct GridPlace {
+    std::size_t column, line;  ///< of the cell
+    double u, v;               ///< in it, [0,1]
+};
+GridPlace place_on_grid(const SquarePoint& p, std::size_t cells);
+
+class EqualAreaSky {
+  public:
+    /// The means of a dome.
+    EqualAreaSky(const SkyDome& dome, std::size_t cells);
+
+    /// The means on half as many cells a side, from means.
+    EqualAreaSky coarser_means() const;
+    /// The same light on twice as many cells a side, from values.
+    EqualAreaSky finer() const;
+    EqualAreaSky values_of_means() const;
+    EqualAreaSky means_of_values() const;
+    /// No node is darker than black or more than fully polarized (by more than rounding).
+    bool physical() const;
+
+    std::size_t cells() const { return cells_; }
+    std::size_t wavelength_count() const { return wavelength_count_; }
+    std::size_t nodes() const { return (cells_ + 1) * (cells_ + 1); }
+    const float* row(std::size_t node, int c) const {
+        return &data_[(node * 4 + static_cast<std::size_t>(c)) * wavelength_count_];
+    }
+
+    /// The nodes around a place and their weights.
+    SkyLookup lookup(const GridPlace& at) const;
+
+  private:
+    EqualAreaSky(std::size_t cells, std::size_t wavelength_count);
+    std::size_t floats_a_node() const { return 4 * wavelength_count_; }
+    std::span<float> at(std::size_t node) {
+        return {&data_[node * floats_a_node()], floats_a_node()};
+    }
+    std::span<const float> at(std::size_t node) const {
+        return {&data_[node * floats_a_node()], floats_a_node()};
+    }
+    template <class OnLine>
+    void for_each_line(const OnLine& on_line);
+
+    std::size_t cells_, wavelength_count_;
+    std::vector<float> data_;  // [node][component][wavelength]
+};
+
+}  // namespace malus
