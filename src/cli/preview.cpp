@@ -14,7 +14,7 @@ namespace malus::cli {
 
 void add_preview(CLI::App& app) {
     // Only for the list of commands: main() runs the other program before options are read.
-    app.add_subcommand("preview", "Make PNG pictures of an image: S0, DoLP, AoLP");
+    app.add_subcommand("preview", "Make PNG pictures of an image or sky map: S0, DoLP, AoLP");
 }
 
 void run_preview(int argc, char** argv) {

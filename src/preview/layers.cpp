@@ -30,9 +30,7 @@ std::vector<float> from_stokes(const Image& image, double nm, Quantity quantity)
 
 AolpZero aolp_zero(const Image& image) {
     const std::string* frame = image.text("stokesReferenceFrame");
-    if (frame && *frame == "image") return AolpZero::kImageRight;
-    if (frame && *frame == "meridian") return AolpZero::kMeridian;
-    return AolpZero::kUnknown;
+    return frame && *frame == "image" ? AolpZero::kImageRight : AolpZero::kUnknown;
 }
 
 }  // namespace

@@ -1,16 +1,17 @@
-// layers.h — what an image says at one wavelength, pixel by pixel.
+// layers.h — what an image or a picture of the sky says at one wavelength, pixel by pixel.
 //
 // Units   S0 W m⁻² sr⁻¹ nm⁻¹; AoLP degrees [0,180); errors are standard errors of the same unit.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "malus/io/exr.h"
 
 namespace malus::preview {
 
-/// What AoLP = 0° means in the image.
+/// What AoLP = 0° means: image right, the vertical plane (of a dome), or what the file knows.
 enum class AolpZero { kImageRight, kMeridian, kUnknown };
 
 struct Layers {
@@ -19,7 +20,8 @@ struct Layers {
     AolpZero aolp_zero = AolpZero::kUnknown;
     std::vector<float> s0, dolp, aolp_deg;
     std::vector<float> stderr_dolp, stderr_aolp_deg;  ///< empty if the image has none
-    std::vector<float> coverage;                      ///< of surfaces [0,1]; empty if there is none
+    std::vector<float> coverage;                      ///< [0,1]; empty if all pixels count alike
+    std::string covered = "surfaces";                 ///< what coverage counts, in words
 
     bool has_errors() const { return !stderr_dolp.empty() && !stderr_aolp_deg.empty(); }
 };

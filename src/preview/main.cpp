@@ -1,19 +1,25 @@
-// main.cpp — malus-preview: PNG pictures of an image's S0, DoLP and AoLP.
+// main.cpp — malus-preview: PNG pictures of S0, DoLP and AoLP of an image or of the sky.
 //
-// Called as `malus preview IMAGE.exr …`.
+// Called as `malus preview FILE …`: an image EXR, or a sky map as EXR (in the frame "meridian") or
+// CSV, which is drawn as a dome (dome.h).
 // Exit    0 done; 1 an input or the run failed; 2 wrong usage.
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <span>
 
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
+#include "malus/io/sky_file.h"
 #include "malus/io/spectral_image.h"
 #include "malus/optics/wavelengths.h"
+#include "preview/dome.h"
+#include "preview/dome_marks.h"
 #include "preview/panels.h"
 #include "preview/png.h"
 #include "preview/sheet.h"
@@ -26,7 +32,7 @@ namespace {
 constexpr int kFailed = 1, kUsage = 2;
 
 struct Options {
-    std::string image, output;
+    std::string input, output;
     std::vector<double> wavelengths_nm;
     double upper_dolp = 1;
     bool log = false;
@@ -38,10 +44,10 @@ struct Destination {
     bool sheet_only = false;
 };
 
-Destination destination(const Options& options) {
-    const fs::path image = options.image, output = options.output;
-    const std::string sheet_name = image.stem().string() + "_sheet.png";
-    if (output.empty()) return {image.parent_path(), image.parent_path() / sheet_name};
+Destination place_for(const Options& options) {
+    const fs::path input = options.input, output = options.output;
+    const std::string sheet_name = input.stem().string() + "_sheet.png";
+    if (output.empty()) return {input.parent_path(), input.parent_path() / sheet_name};
     if (fs::is_directory(output)) return {output, output / sheet_name};
     const std::string ending = output.extension().string();
     if (ending == ".png" || ending == ".PNG") return {{}, output, true};
@@ -55,9 +61,16 @@ Destination destination(const Options& options) {
     return {output, output / sheet_name};
 }
 
-// The wavelengths to show as the image has them, in the order that was asked for.
-std::vector<double> chosen_wavelengths(const Options& options, const Image& image) {
-    const std::vector<double> available = stokes_wavelengths(image);
+// The same, sure that pictures can be written.
+Destination destination(const Options& options) {
+    const Destination to = place_for(options);
+    if (to.sheet_only) check_writable(to.sheet);
+    return to;
+}
+
+// The wavelengths to show as the file has them, in the order that was asked for.
+std::vector<double> chosen_wavelengths(const Options& options,
+                                       const std::vector<double>& available) {
     if (available.empty())
         throw Error(
             "no Stokes channels (S0.440,000000nm and so on); name an image or sky "
@@ -94,21 +107,22 @@ std::string size_note(const Image& image, const Picture& shown) {
     return size;
 }
 
-// The panels of a wavelength, written one by one where that is wanted, then in the sheet's size.
-std::vector<Panel> make_row(const Layers& layers, const Options& options, const Destination& to) {
-    std::vector<Panel> row{
-        s0_panel(layers, options.log ? GreyScale::kLog : GreyScale::kLinear),
-        dolp_panel(layers, options.upper_dolp),
-        aolp_panel(layers),
-    };
-    const std::string stem = fs::path(options.image).stem().string();
-    for (Panel& panel : row) {
+std::vector<Panel> make_panels(const Layers& layers, const Options& options) {
+    return {s0_panel(layers, options.log ? GreyScale::kLog : GreyScale::kLinear),
+            dolp_panel(layers, options.upper_dolp), aolp_panel(layers)};
+}
+
+// Writes a wavelength's panels one by one, where that is wanted; returns them in the sheet's size.
+std::vector<Panel> saved(std::vector<Panel> panels, double wavelength_nm, const Options& options,
+                         const Destination& to) {
+    const std::string stem = fs::path(options.input).stem().string();
+    for (Panel& panel : panels) {
         const std::string name =
-            stem + "_" + panel.quantity + "_" + to_text(layers.wavelength_nm) + "nm.png";
+            stem + "_" + panel.quantity + "_" + to_text(wavelength_nm) + "nm.png";
         if (!to.sheet_only) save(to.folder / name, panel.picture, panel.description);
         panel.picture = fit_to_sheet(panel.picture);
     }
-    return row;
+    return panels;
 }
 
 Font font_or_note() {
@@ -119,45 +133,100 @@ Font font_or_note() {
     return font;
 }
 
-void run(const Options& options) {
-    const Image image = read_exr(options.image);
+void save_sheet(const std::string& subheading, const std::vector<std::vector<Panel>>& rows,
+                std::span<const double> wavelengths_nm, const Options& options,
+                const Destination& to, const Font& font) {
+    const std::string heading = one_line(fs::path(options.input).filename().string(), 70);
+    save(to.sheet, make_sheet(heading, subheading, rows, font),
+         "S0, DoLP and AoLP side by side at " + to_text(wavelengths_nm) +
+             " nm, with scales and units");
+}
+
+void preview_image(const Image& image, const Options& options) {
     std::vector<double> wavelengths_nm;
     std::vector<Layers> layers;
     try {
-        wavelengths_nm = chosen_wavelengths(options, image);
+        wavelengths_nm = chosen_wavelengths(options, stokes_wavelengths(image));
         for (double nm : wavelengths_nm) layers.push_back(read_layers(image, nm));
     } catch (const Error& error) {
-        throw Error(options.image + ": " + error.what());
+        throw Error(options.input + ": " + error.what());
     }
     const Destination to = destination(options);
-    if (to.sheet_only) check_writable(to.sheet);
     std::vector<std::vector<Panel>> rows;
-    for (const Layers& at : layers) rows.push_back(make_row(at, options, to));
-    const std::string heading = one_line(fs::path(options.image).filename().string(), 70);
-    const std::string size = size_note(image, rows.front().front().picture);
-    save(to.sheet, make_sheet(heading, size, rows, font_or_note()),
-         "S0, DoLP and AoLP side by side at " + to_text(wavelengths_nm) +
-             " nm, with scales and units");
+    for (const Layers& at : layers)
+        rows.push_back(saved(make_panels(at, options), at.wavelength_nm, options, to));
+    save_sheet(size_note(image, rows.front().front().picture), rows, wavelengths_nm, options, to,
+               font_or_note());
+}
+
+void preview_sky(const Sky& sky, const Options& options) {
+    for (const std::string& warning : sky.warnings) std::cerr << "malus: note: " << warning << '\n';
+    std::vector<double> wavelengths_nm;
+    try {
+        wavelengths_nm = chosen_wavelengths(options, sky.wavelengths_nm);
+    } catch (const Error& error) {
+        throw Error(options.input + ": " + error.what());
+    }
+    const Destination to = destination(options);
+    const Font font = font_or_note();
+    const SkyDome dome(sky, wavelengths_nm);
+    std::vector<std::vector<Panel>> rows;
+    for (std::size_t w = 0; w < wavelengths_nm.size(); ++w) {
+        const DomeView view;
+        std::vector<Panel> panels =
+            make_panels(dome_layers(dome, w, wavelengths_nm[w], view), options);
+        mark_dome(panels, view, sky.sun, dome, w, font);
+        rows.push_back(saved(std::move(panels), wavelengths_nm[w], options, to));
+    }
+    save_sheet(dome_note(sky), rows, wavelengths_nm, options, to, font);
+}
+
+bool is_csv(const fs::path& path) {
+    const std::string ending = path.extension().string();
+    return ending.size() == 4 &&
+           std::equal(ending.begin(), ending.end(), ".csv",
+                      [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
+}
+
+bool is_sky(const Image& image) {
+    const std::string* frame = image.text("stokesReferenceFrame");
+    return frame && *frame == "meridian";
+}
+
+void run(const Options& options) {
+    if (is_csv(options.input)) return preview_sky(read_sky(options.input), options);
+    const Image image = read_exr(options.input);
+    if (is_sky(image)) return preview_sky(read_sky(options.input), options);
+    preview_image(image, options);
 }
 
 int parse_and_run(int argc, char** argv) {
     CLI::App app{
         "Make PNG pictures (8-bit sRGB) of an image or sky map: S0, DoLP and AoLP of each "
         "wavelength, and a sheet of all with scales and units.\n\n"
-        "S0    grey, white at the 99.5th percentile of the pixels that show a surface,\n"
+        "S0    grey, white at the 99.5th percentile of the pixels that show a surface or sky,\n"
         "      W m^-2 sr^-1 nm^-1\n"
         "DoLP  degree of linear polarization, dark (0) to bright\n"
         "AoLP  angle of linear polarization, hue for 0 to 180 degrees counter-clockwise from "
         "image\n"
-        "      right (sky maps: from the direction of the zenith); grey where its standard error\n"
-        "      nears 30 degrees or DoLP is below 3 standard errors; dark where S0 is 0\n",
+        "      right; grey where its standard error nears 30 degrees or DoLP is below 3 standard\n"
+        "      errors; dark where S0 is 0\n\n"
+        "A sky map is drawn as an all-sky camera that looks up sees it: zenith in the middle, "
+        "north\n"
+        "up, east LEFT (a map of the ground has east right), the horizon a circle, the distance "
+        "from\n"
+        "the middle proportional to the zenith angle. AoLP is then counted from the vertical "
+        "plane,\n"
+        "which is the radius: 0 along it, 90 across it. The sun, if the file declares one, and "
+        "the\n"
+        "neutral points (Babinet, Brewster, Arago) that follow from the map are marked.\n",
         "malus preview"};
     Options options;
-    app.add_option("image", options.image, "Image or sky map, EXR")->required();
+    app.add_option("file", options.input, "Image, EXR, or sky map, EXR or CSV")->required();
     app.add_option("-o,--output", options.output,
                    "Folder for NAME_S0_440nm.png, NAME_DoLP_440nm.png, NAME_AoLP_440nm.png … and "
                    "NAME_sheet.png; or a name ending in .png for the sheet alone "
-                   "[default: the folder of the image]");
+                   "[default: the folder of the file]");
     app.add_option("--wavelengths", options.wavelengths_nm,
                    "Wavelengths to show, nm, e.g. 440,600 [default: all]")
         ->delimiter(',')

@@ -42,17 +42,17 @@ bool is_polarization_known(const Layers& layers, std::size_t pixel) {
            std::isfinite(layers.aolp_deg[pixel]);
 }
 
-bool shows_a_surface(const Layers& layers) {
+bool is_anything_covered(const Layers& layers) {
     return std::any_of(layers.coverage.begin(), layers.coverage.end(),
                        [](float a) { return a > 0; });
 }
 
-// S0 shown as white: the percentile over surfaces, or over all pixels if there are none.
+// S0 shown as white: the percentile over what is covered, or over all pixels if nothing is.
 double white_of(const Layers& layers) {
-    const bool surfaces = shows_a_surface(layers);
+    const bool some = is_anything_covered(layers);
     std::vector<float> values;
     for (std::size_t i = 0; i < layers.s0.size(); ++i)
-        if (std::isfinite(layers.s0[i]) && (!surfaces || layers.coverage[i] > 0))
+        if (std::isfinite(layers.s0[i]) && (!some || layers.coverage[i] > 0))
             values.push_back(layers.s0[i]);
     if (values.empty()) return 1;
     const double place = kWhitePercentile / 100 * static_cast<double>(values.size() - 1);
@@ -120,7 +120,7 @@ std::string aolp_sense(const Layers& layers) {
         case AolpZero::kImageRight:
             return "counter-clockwise from image right";
         case AolpZero::kMeridian:
-            return "counter-clockwise from the zenith";
+            return "from the vertical plane, counter-clockwise looking up";
         case AolpZero::kUnknown:
             break;
     }
@@ -134,8 +134,10 @@ Legend aolp_legend(const Layers& layers) {
         legend.ticks.push_back({degrees / 180.0, std::to_string(degrees) + "^o"});
     legend.captions = {aolp_sense(layers),
                        layers.has_errors() ? "grey: the angle is uncertain" : "grey: unpolarized"};
+    // No wheel for a dome: the vertical has another direction at each azimuth.
     if (layers.aolp_zero == AolpZero::kImageRight) legend.wheel_from_deg = 0;
-    if (layers.aolp_zero == AolpZero::kMeridian) legend.wheel_from_deg = 90;
+    if (layers.aolp_zero == AolpZero::kMeridian)
+        legend.captions.back() = "0^o along the radius, 90^o across it; grey: unpolarized";
     return legend;
 }
 
@@ -144,7 +146,7 @@ Legend aolp_legend(const Layers& layers) {
 Panel s0_panel(const Layers& layers, GreyScale scale) {
     const double white = white_of(layers);
     const bool linear = scale == GreyScale::kLinear;
-    const std::string pixels = shows_a_surface(layers) ? "surfaces" : "all pixels";
+    const std::string pixels = is_anything_covered(layers) ? layers.covered : "all pixels";
     Panel panel;
     panel.quantity = "S0";
     panel.title = "S0, " + at_wavelength(layers);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "preview/color_maps.h"
 
@@ -35,7 +36,24 @@ Color mean(const Picture& from, int x0, int y0, int x1, int y1) {
     return to_color({sum.r / n, sum.g / n, sum.b / n});
 }
 
+// The pixels that a shape within `reach` of the middle can touch.
+template <class Coverage>
+void blend_shape(Picture& picture, const Point& middle, double reach, Color color,
+                 Coverage coverage) {
+    const auto first = [&](double c) { return std::max(0, static_cast<int>(c - reach - 1)); };
+    const auto end = [&](double c, int size) {
+        return std::min(size, static_cast<int>(c + reach + 2));
+    };
+    for (int y = first(middle.y); y < end(middle.y, picture.height); ++y)
+        for (int x = first(middle.x); x < end(middle.x, picture.width); ++x)
+            blend(picture, x, y, color, coverage(Point{x + 0.5, y + 0.5}));
+}
+
 }  // namespace
+
+double distance(const Point& a, const Point& b) {
+    return std::hypot(a.x - b.x, a.y - b.y);
+}
 
 Picture::Picture(int w, int h, Color fill)
     : width(w),
@@ -54,6 +72,38 @@ void fill(Picture& picture, int x, int y, int width, int height, Color color) {
     for (int v = std::max(0, y); v < std::min(picture.height, y + height); ++v)
         for (int u = std::max(0, x); u < std::min(picture.width, x + width); ++u)
             picture.at(u, v) = color;
+}
+
+void blend(Picture& picture, int x, int y, Color color, double covered) {
+    if (covered == 0) return;
+    Color& pixel = picture.at(x, y);
+    const auto mix = [covered](std::uint8_t under, std::uint8_t over) {
+        return static_cast<std::uint8_t>(std::lround((1 - covered) * under + covered * over));
+    };
+    pixel = {mix(pixel.r, color.r), mix(pixel.g, color.g), mix(pixel.b, color.b)};
+}
+
+double ring_coverage(double r, double inner, double outer) {
+    const double within = std::clamp(outer - r + 0.5, 0.0, 1.0);
+    return inner > 0 ? within * std::clamp(r - inner + 0.5, 0.0, 1.0) : within;
+}
+
+void blend_ring(Picture& picture, const Point& middle, double inner, double outer, Color color) {
+    blend_shape(picture, middle, outer, color,
+                [&](const Point& p) { return ring_coverage(distance(p, middle), inner, outer); });
+}
+
+void blend_line(Picture& picture, const Point& from, const Point& to, double width, Color color) {
+    const double length = distance(from, to);
+    const Point along{(to.x - from.x) / length, (to.y - from.y) / length};
+    const Point middle{(from.x + to.x) / 2, (from.y + to.y) / 2};
+    const auto within = [](double offset, double extent) {
+        return std::clamp(extent / 2 - std::abs(offset) + 0.5, 0.0, 1.0);
+    };
+    blend_shape(picture, middle, (length + width) / 2, color, [&](const Point& p) {
+        const double x = p.x - middle.x, y = p.y - middle.y;
+        return within(x * along.x + y * along.y, length) * within(x * along.y - y * along.x, width);
+    });
 }
 
 void paste(Picture& onto, int x, int y, const Picture& from) {

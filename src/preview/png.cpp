@@ -104,9 +104,10 @@ void draw_text(Picture& picture, const Font& font, int x, int y, const std::stri
     const std::array color{part(style.color.r), part(style.color.g), part(style.color.b)};
     for (const Run& run : runs) {
         const int baseline = run.raised ? y - (style.size * 2 + 2) / 5 : y;
-        if (!run.text.empty() &&
-            !OIIO::ImageBufAlgo::render_text(canvas, x, baseline, run.text,
-                                             size_of(run, style.size), font.name, color))
+        if (!run.text.empty() && !OIIO::ImageBufAlgo::render_text(
+                                     canvas, x, baseline, run.text, size_of(run, style.size),
+                                     font.name, color, OIIO::ImageBufAlgo::TextAlignX::Left,
+                                     OIIO::ImageBufAlgo::TextAlignY::Baseline, style.halo))
             throw Error("font " + font.name + ": cannot be drawn with (" +
                         one_line(canvas.geterror()) + "); install the fonts DejaVu");
         x += advance(run, style.size, font);

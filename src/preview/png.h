@@ -23,6 +23,7 @@ struct Lettering {
     int size = 13;  ///< pixels
     Color color{40, 40, 40};
     Align align = Align::kLeft;
+    int halo = 0;  ///< width of a black edge, pixels
 };
 
 /// Writes text on its baseline y, from, around or up to x. Digits, '-' and 'o' after a '^' are

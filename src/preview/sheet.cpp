@@ -93,22 +93,13 @@ class Page {
         for (int dy = -reach; dy <= reach; ++dy)
             for (int dx = -reach; dx <= reach; ++dx) {
                 const double r = std::hypot(dx, dy);
-                const double covered =
-                    std::clamp(outer - r + 0.5, 0.0, 1.0) * std::clamp(r - inner + 0.5, 0.0, 1.0);
+                const double covered = ring_coverage(r, inner, outer);
                 if (covered == 0) continue;
                 const double angle = std::atan2(-dy, dx) * 180 / std::numbers::pi;
                 const double turns = (angle - *legend.wheel_from_deg) / 180;
-                blend(center_x + dx, center_y + dy, legend.color(turns - std::floor(turns)),
-                      covered);
+                blend(picture_, center_x + dx, center_y + dy,
+                      legend.color(turns - std::floor(turns)), covered);
             }
-    }
-
-    void blend(int x, int y, Color color, double covered) {
-        Color& pixel = picture_.at(x, y);
-        const auto mix = [covered](std::uint8_t under, std::uint8_t over) {
-            return static_cast<std::uint8_t>(std::lround((1 - covered) * under + covered * over));
-        };
-        pixel = {mix(pixel.r, color.r), mix(pixel.g, color.g), mix(pixel.b, color.b)};
     }
 
     Picture& picture_;

@@ -406,3 +406,45 @@ TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
     CHECK(bad.exit_code == 1);
     CHECK(bad.one_line());
 }
+
+TEST_CASE("Preview: a sky map, EXR or CSV, as a dome with its neutral points", "[cli]") {
+    const TempFolder folder;
+    const std::string exr = (folder / "sky.exr").string();
+    REQUIRE(
+        run("sky make -o " + quoted(exr) + " --wavelengths 440,550 --sun-azimuth 135").exit_code ==
+        0);
+    const Outcome dome = run("preview " + quoted(exr) + " --wavelengths 550");
+    CAPTURE(dome.out, dome.err);
+    CHECK(dome.exit_code == 0);
+    CHECK(dome.err.empty());
+    for (const char* picture :
+         {"sky_S0_550nm.png", "sky_DoLP_550nm.png", "sky_AoLP_550nm.png", "sky_sheet.png"})
+        CHECK(read_text(folder / picture).substr(1, 3) == "PNG");
+    CHECK_FALSE(fs::exists(folder / "sky_S0_440nm.png"));
+    CHECK_THAT(dome.out, Contains("Babinet 13.5 degrees above the sun") &&
+                             Contains("Brewster 15.9 degrees below") &&
+                             Contains("from the vertical plane"));
+
+    const std::string csv = (folder / "measured.CSV").string();
+    std::ofstream(csv) << "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n"
+                          "440,30,0,1,0.1,0,0\n440,30,180,1,0.1,0,0\n"
+                          "440,80,0,2,0.1,0,0\n440,80,180,2,0.1,0,0\n";
+    const std::string sheet = (folder / "only.png").string();
+    const Outcome measured = run("preview " + quoted(csv) + " -o " + quoted(sheet));
+    CHECK(measured.exit_code == 0);
+    CHECK(read_text(sheet).substr(1, 3) == "PNG");
+    CHECK_FALSE(fs::exists(folder / "measured_S0_440nm.png"));
+    // It says nothing of the sun, and something of its gaps.
+    CHECK(measured.out.find("Babinet") == std::string::npos);
+    CHECK_THAT(measured.err, Contains("note") && Contains("no azimuth between"));
+}
+
+TEST_CASE("Preview: a sky map that is none is refused in one line", "[cli]") {
+    const TempFolder folder;
+    const std::string csv = (folder / "sky.csv").string(), png = (folder / "sky.png").string();
+    std::ofstream(csv) << "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n440,30,0,1,2,0,0\n";
+    check_fails("preview " + quoted(csv) + " -o " + quoted(png), png, {"sky.csv", "exceeds S0"});
+    check_fails(
+        "preview " + shipped("skies/rayleigh_60.exr") + " --wavelengths 500 -o " + quoted(png), png,
+        {"rayleigh_60.exr", "no 500 nm", "440, 550, 600"});
+}
