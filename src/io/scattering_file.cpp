@@ -48,25 +48,24 @@ ScatteringTable read_scattering(const std::filesystem::path& path) {
     const std::string file = path.string();
     ScatteringTable table;
     std::optional<Layout> layout;
-    for_each_csv_line(
-        read_text(path), file, [&](const std::string& line, const std::string& place) {
-            if (!layout) {
-                layout = layout_of(line, place);
-                return;
-            }
-            const std::vector<double> x = csv_numbers(line, layout->columns, place);
-            const double nm = layout->first == 1 ? x[0] : 0;
-            if (layout->first == 1 && !(nm > 0 && std::isfinite(nm)))
-                throw Error(place + ": wavelength must be > 0 nm");
-            const double angle_deg = x[layout->first];
-            std::vector<ScatteringRow>& rows = table[nm];
-            if (rows.empty() ? angle_deg != 0
-                             : !(angle_deg > to_degrees(rows.back().angle) && angle_deg <= 180))
-                throw Error(place +
-                            ": angles must ascend from 0 to 180 degrees for each wavelength");
-            const double* F = &x[layout->first + 1];
-            rows.push_back({to_radians(angle_deg), checked({F[0], F[1], F[2], F[3]}, place)});
-        });
+    for_each_csv_line(read_text(path), [&](const std::string& line, int number) {
+        const std::string place = csv_place(file, number);
+        if (!layout) {
+            layout = layout_of(line, place);
+            return;
+        }
+        const std::vector<double> x = csv_numbers(line, layout->columns, place);
+        const double nm = layout->first == 1 ? x[0] : 0;
+        if (layout->first == 1 && !(nm > 0 && std::isfinite(nm)))
+            throw Error(place + ": wavelength must be > 0 nm");
+        const double angle_deg = x[layout->first];
+        std::vector<ScatteringRow>& rows = table[nm];
+        if (rows.empty() ? angle_deg != 0
+                         : !(angle_deg > to_degrees(rows.back().angle) && angle_deg <= 180))
+            throw Error(place + ": angles must ascend from 0 to 180 degrees for each wavelength");
+        const double* F = &x[layout->first + 1];
+        rows.push_back({to_radians(angle_deg), checked({F[0], F[1], F[2], F[3]}, place)});
+    });
     if (table.empty())
         throw Error(file +
                     ": holds no rows; a scattering matrix needs angles from 0 to 180 degrees");

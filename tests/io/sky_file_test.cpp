@@ -68,6 +68,10 @@ TEST_CASE("Sky CSV: 360° is 0°") {
     for (const char* a : {"0", "180", "360"})
         text += "550,10," + std::string(a) + ",1,0,0,0\n550,80," + std::string(a) + ",1,0,0,0\n";
     CHECK(read_csv(text).azimuths.size() == 2);
+    // Also where a row has only one of them.
+    text.replace(text.find("550,10,0,"), 9, "550,10,0.0000000001,");
+    text.erase(text.find("550,80,0,"), 17);
+    CHECK(read_csv(text).azimuths.size() == 2);
 }
 
 TEST_CASE("Sky CSV: each mistake is one line with the row") {
