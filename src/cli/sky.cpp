@@ -124,7 +124,7 @@ void add_aerosol(CLI::App& sub, SkyOptions& options) {
 }  // namespace
 
 void add_sky(CLI::App& app, const std::string& command_line) {
-    CLI::App* sky = app.add_subcommand("sky", "Make sky maps");
+    CLI::App* sky = app.add_subcommand("sky", "Make and describe sky maps");
     sky->require_subcommand(1);
     CLI::App* sub =
         sky->add_subcommand("make",
@@ -167,6 +167,7 @@ void add_sky(CLI::App& app, const std::string& command_line) {
         ->check(CLI::Range(1, 16384))
         ->capture_default_str();
     sub->callback([options, command_line] { make(*options, command_line); });
+    add_sky_info(*sky);
 }
 
 }  // namespace malus::cli

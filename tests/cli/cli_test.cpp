@@ -90,8 +90,8 @@ void check_fails(const std::string& arguments, const fs::path& image,
 }  // namespace
 
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
-    for (const char* command :
-         {"", "render", "sky", "sky make", "materials", "materials check", "info", "preview"}) {
+    for (const char* command : {"", "render", "sky", "sky make", "sky info", "materials",
+                                "materials check", "info", "preview"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
@@ -387,6 +387,33 @@ TEST_CASE("Sky and info: a sky is made and described", "[cli]") {
     CHECK(check.exit_code == 0);
     CHECK_THAT(check.out,
                Contains("550 nm") && Contains("negative in 96 %") && Contains("reciprocity: kept"));
+}
+
+TEST_CASE("Sky info: a map is described, and doubted where its sun is not", "[cli]") {
+    const TempFolder folder;
+    const std::string sky = shipped("skies/rayleigh_60.exr");
+    const Outcome info = run("sky info " + sky);
+    CAPTURE(info.out);
+    CHECK(info.exit_code == 0);
+    CHECK(info.err.empty());
+    CHECK_THAT(info.out, Contains("180 azimuths x 45 zenith angles") &&
+                             Contains("sun at zenith 60, azimuth 135 degrees") &&
+                             Contains("550 nm") && Contains("irradiance") &&
+                             Contains("degrees above the sun") && Contains("none found") &&
+                             !Contains("doubt"));
+    CHECK_THAT(run("sky info --sun-zenith 60 --sun-azimuth 90 " + sky).out,
+               Contains("doubt 440 nm: the declared sun is not in the map's plane of symmetry"));
+    CHECK(run("sky info --sun-zenith 60 " + sky).exit_code == 2);
+    CHECK(run("sky info").exit_code == 2);
+    const std::string csv = (folder / "sky.csv").string();
+    write_text(csv, "wavelength_nm,zenith_deg,azimuth_deg,S0,S1,S2,S3\n900,45,0,1,0,0,0\n");
+    const Outcome bare = run("sky info " + quoted(csv));
+    CHECK(bare.exit_code == 0);
+    CHECK_THAT(bare.out, Contains("note  no sun is declared") && Contains("few nodes") &&
+                             Contains("cover 45 to 45 of 0 to 90") && !Contains("Babinet"));
+    const Outcome image = run("sky info " + shipped("scenes/panel.gltf"));
+    CHECK(image.exit_code == 1);
+    CHECK(image.one_line());
 }
 
 TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
