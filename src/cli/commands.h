@@ -14,6 +14,7 @@ namespace malus::cli {
 void add_render(CLI::App& app, const std::string& command_line);
 void add_sky(CLI::App& app, const std::string& command_line);
 void add_sky_info(CLI::App& sky);
+void add_sky_import(CLI::App& sky, const std::string& command_line);
 void add_materials(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_info(CLI::App& app);

@@ -124,7 +124,7 @@ void add_aerosol(CLI::App& sub, SkyOptions& options) {
 }  // namespace
 
 void add_sky(CLI::App& app, const std::string& command_line) {
-    CLI::App* sky = app.add_subcommand("sky", "Make and describe sky maps");
+    CLI::App* sky = app.add_subcommand("sky", "Make, describe and import sky maps");
     sky->require_subcommand(1);
     CLI::App* sub =
         sky->add_subcommand("make",
@@ -168,6 +168,7 @@ void add_sky(CLI::App& app, const std::string& command_line) {
         ->capture_default_str();
     sub->callback([options, command_line] { make(*options, command_line); });
     add_sky_info(*sky);
+    add_sky_import(*sky, command_line);
 }
 
 }  // namespace malus::cli

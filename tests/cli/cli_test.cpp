@@ -90,8 +90,8 @@ void check_fails(const std::string& arguments, const fs::path& image,
 }  // namespace
 
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
-    for (const char* command : {"", "render", "sky", "sky make", "sky info", "materials",
-                                "materials check", "info", "preview"}) {
+    for (const char* command : {"", "render", "sky", "sky make", "sky info", "sky import",
+                                "materials", "materials check", "info", "preview"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
@@ -414,6 +414,82 @@ TEST_CASE("Sky info: a map is described, and doubted where its sun is not", "[cl
     const Outcome image = run("sky info " + shipped("scenes/panel.gltf"));
     CHECK(image.exit_code == 1);
     CHECK(image.one_line());
+}
+
+TEST_CASE("Sky import: a table of another code becomes a map, and a wrong switch is noted",
+          "[cli]") {
+    // Azimuths anticlockwise from the sun, which stands at zenith 50°, azimuth 200°; the sign of Q
+    // reversed, as Natraj, Li & Yung (2009) have it.
+    const TempFolder folder;
+    const auto sky =
+        reference::rayleigh_sky(direction(to_radians(50), to_radians(200)), 1.0, 0.8, 0);
+    std::string table = "# I/F0\ntheta,phi,I,Q,U,depolarization\n";
+    for (double z = 2.5; z < 90; z += 5)
+        for (double phi = 0; phi < 360; phi += 5) {
+            const auto S = sky(direction(to_radians(z), to_radians(200 - phi)));
+            for (double x : {z, phi, S[0], -S[1], S[2]}) table += std::to_string(x) + ",";
+            table += "none\n";
+        }
+    const std::string csv = (folder / "table.csv").string(), map = (folder / "sky.exr").string();
+    write_text(csv, table);
+    const std::string common = "sky import " + quoted(csv) + " -o " + quoted(map) +
+                               " --wavelength 550 --azimuth-zero 200 --sun-zenith 50 "
+                               "--sun-azimuth 200 --sun-irradiance 550:1.5 --scale 550:2";
+    const Outcome right = run(common + " --azimuth-sense anticlockwise --s1 reversed");
+    CAPTURE(right.err);
+    REQUIRE(right.exit_code == 0);
+    CHECK(right.one_line());
+    CHECK_THAT(right.err, Contains("note: ") && Contains("columns not used: depolarization"));
+    CHECK(right.out.empty());
+    const Image image = read_exr(map);
+    CHECK(image.width == 72);
+    CHECK(image.height == 18);
+    CHECK(*image.text("sunIrradiance") == "550nm:1.5;");
+    CHECK_THAT(*image.text("skyModel"), Contains("imported from table.csv"));
+    // At the centre of a pixel, halfway between nodes 5° apart: within 2 h²/8 of second derivatives.
+    const auto S = sky(direction(to_radians(42.5), to_radians(102.5)));
+    const std::size_t pixel = 8 * 72 + 20;
+    CHECK(static_cast<double>(spectral_data(image, "S0", 550)[pixel]) == near(2 * S[0], 8e-3));
+    CHECK(static_cast<double>(spectral_data(image, "S1", 550)[pixel]) == near(2 * S[1], 8e-3));
+    CHECK(static_cast<double>(spectral_data(image, "S2", 550)[pixel]) == near(2 * S[2], 8e-3));
+    CHECK_THAT(run("sky info " + quoted(map)).out, !Contains("doubt"));
+    const Outcome wrong = run(common + " --s1 reversed");
+    CHECK(wrong.exit_code == 0);
+    CHECK_THAT(wrong.err, Contains("S2 reversed or azimuths the other way round the sun"));
+    CHECK_THAT(run("sky info " + quoted(map)).out, Contains("doubt 550 nm: polarization is not"));
+}
+
+TEST_CASE("Sky import: bad input and usage", "[cli]") {
+    const TempFolder folder;
+    const fs::path map = folder / "sky.exr";
+    const std::string csv = (folder / "table.csv").string();
+    write_text(csv, "wavelength,zenith,azimuth,S0,S1,S2\n550,45,0,1,0,0\n");
+    const auto with = [&](const std::string& more) {
+        return "sky import " + quoted(csv) + " -o " + quoted(map.string()) + " " + more;
+    };
+    check_fails(with("--direction propagation"), map, {"table.csv", "below the horizon", "view"});
+    check_fails(with("--scale 440:2"), map, {"--scale: says nothing of 550 nm"});
+    check_fails(with("--scale 550:2,550:3"), map, {"--scale", "again"});
+    check_fails("sky import " + quoted(csv) + " -o " + quoted((folder / "sky.csv").string()), map,
+                {"name it .exr"});
+    check_fails(
+        "sky import " + quoted((folder / "none.csv").string()) + " -o " + quoted(map.string()), map,
+        {"none.csv: file not found"});
+    check_fails("sky import " + quoted(csv) + " -o " + quoted((folder / "no/sky.exr").string()),
+                map, {"sky.exr: cannot be written"});
+    write_text(csv, "wavelength,zenith,azimuth,S0,S1,S2\n550,45,0,1,0,0\n550,50,0,1,2,0\n");
+    check_fails(with(""), map, {"table.csv: line 3", "exceeds S0"});
+    CHECK(std::distance(fs::directory_iterator(fs::path(csv).parent_path()), {}) == 1);
+    for (const char* usage :
+         {"--s1 minus", "--azimuth-sense left", "--azimuth-zero nan", "--sun-zenith 30",
+          "--scale x", "--scale 550:-1", "--zenith-span 0", "--sun-irradiance 550:", "--width 0"})
+        CHECK(run(with(usage)).exit_code == 2);
+    CHECK(run("sky import").exit_code == 2);
+    // A map may not replace what it is made of.
+    REQUIRE(run("sky make -o " + quoted(map.string()) + " --width 8 --height 2").exit_code == 0);
+    const Outcome same = run("sky import " + quoted(map.string()) + " -o " + quoted(map.string()));
+    CHECK(same.exit_code == 1);
+    CHECK(same.one_line());
 }
 
 TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
