@@ -31,7 +31,7 @@ void print_point(const char* name, const std::optional<double>& angle, const cha
         std::printf("    %-12s none found %s\n", name, from);
 }
 
-void print_light(const SkyLight& light, const Sky& sky) {
+void print_light(const SkyAtWavelength& light, const Sky& sky) {
     std::printf("  %s nm\n", to_text(light.wavelength_nm).c_str());
     std::printf("    %-12s %.4g to %.4g W m^-2 sr^-1 nm^-1, brightest at %s\n", "S0",
                 light.least_s0, light.most_s0, text_of(light.brightest).c_str());
@@ -72,7 +72,7 @@ void describe(const InfoOptions& options) {
     if (sky.sun)
         std::printf("  sun at %s%s\n", text_of({sky.sun->zenith, sky.sun->azimuth}).c_str(),
                     sky.sun->irradiance.empty() ? "" : ", with its disc");
-    for (const SkyLight& light : description.light) print_light(light, sky);
+    for (const SkyAtWavelength& light : description.light) print_light(light, sky);
     for (const std::string& doubt : description.doubts) std::printf("  doubt %s\n", doubt.c_str());
     for (const std::string& warning : sky.warnings) std::printf("  note  %s\n", warning.c_str());
     for (const std::string& line : description.missing) std::printf("  note  %s\n", line.c_str());

@@ -223,7 +223,7 @@ Sky import_sky(const fs::path& path, const SkyImport& options) {
     Sky ours = above_horizon(map, options.conventions, file);
     for (const std::string& gap : gaps_in(ours, file)) ours.warnings.push_back(gap);
     declare_sun(ours, options, file);
-    const SkyGrid like = grid_like(ours);
+    const MapSize like = grid_like(ours);
     ours = at_pixel_centres(ours, {options.height > 0 ? options.height : like.zeniths,
                                    options.width > 0 ? options.width : like.azimuths});
     ours.source = file;

@@ -102,8 +102,8 @@ Sky with_mirror_image(const Sky& half) {
     return whole;
 }
 
-SkyGrid grid_like(const Sky& map) {
-    constexpr SkyGrid kOneDegree{90, 360};
+MapSize grid_like(const Sky& map) {
+    constexpr MapSize kOneDegree{90, 360};
     const double zenith_step = even_step(map.zeniths), azimuth_step = even_step(map.azimuths);
     if (zenith_step == 0 || azimuth_step == 0) return kOneDegree;
     const double around = azimuth_step * static_cast<double>(map.azimuths.size());
@@ -114,7 +114,7 @@ SkyGrid grid_like(const Sky& map) {
     return {static_cast<int>(rows), static_cast<int>(map.azimuths.size())};
 }
 
-Sky at_pixel_centres(const Sky& map, const SkyGrid& grid) {
+Sky at_pixel_centres(const Sky& map, const MapSize& grid) {
     if (std::ssize(map.zeniths) == grid.zeniths && std::ssize(map.azimuths) == grid.azimuths &&
         at_centres(map.zeniths, kPi / 2) && at_centres(map.azimuths, 2 * kPi))
         return map;

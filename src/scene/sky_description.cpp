@@ -7,13 +7,12 @@
 
 #include "malus/core/frame.h"
 #include "malus/optics/wavelengths.h"
+#include "malus/scene/neutral_points.h"
 
 namespace malus {
 namespace {
 
 constexpr double kAlmostWhole = 0.98;  // DoLP
-// At a neutral point of the map; interpolated and measured maps keep a little light there.
-constexpr double kNeutral = 0.03;
 
 // "60.5": for people, two decimals.
 std::string rounded(double x) {
@@ -30,7 +29,7 @@ double gap_after(const Sky& sky, std::size_t column) {
 
 // --- single nodes ------------------------------------------------------------------------------
 
-void describe_nodes(const Sky& sky, std::size_t w, SkyLight& light) {
+void describe_nodes(const Sky& sky, std::size_t w, SkyAtWavelength& light) {
     light.least_s0 = light.most_s0 = sky.at(w, 0, 0).s0;
     light.brightest = light.most_polarized = {sky.zeniths[0], sky.azimuths[0]};
     for (std::size_t z = 0; z < sky.zeniths.size(); ++z)
@@ -95,52 +94,14 @@ Stokes<double> in_vertical(const SkyDome& dome, std::size_t w, double sun_azimut
     return measured_in(Beam<double>{dome.radiance(at, w), fixed_frame(at)}, {-at, axis}).stokes;
 }
 
-// Where the light of the vertical is neutral, by t, ascending; within `reach` of the zenith.
-std::vector<double> neutral_points(const SkyDome& dome, std::size_t w, double sun_azimuth,
-                                   double reach) {
-    constexpr double kStep = to_radians(0.1);
-    const int steps = static_cast<int>(std::ceil(2 * reach / kStep));
-    std::vector<double> found;
-    double last_t = 0, last_s1 = 0;
-    for (int i = 0; i <= steps; ++i) {
-        const double t = reach * (2.0 * i / std::max(1, steps) - 1);
-        const double s1 = in_vertical(dome, w, sun_azimuth, t).s1;
-        if (s1 == 0) continue;
-        if (last_s1 * s1 < 0) {
-            const double zero = last_t + (t - last_t) * last_s1 / (last_s1 - s1);
-            if (dolp(in_vertical(dome, w, sun_azimuth, zero)) < kNeutral) found.push_back(zero);
-        }
-        last_t = t, last_s1 = s1;
-    }
-    return found;
-}
-
-// How far apart nodes are near the sun. Closer to it than that a map does not tell a neutral point
-// from the sun itself, about which light scattered once has its only one.
-double spacing_near(const Sky& sky, const Sun& sun) {
-    double most = 0;
-    for (std::size_t i = 0; i + 1 < sky.zeniths.size(); ++i)
-        most = std::max(most, sky.zeniths[i + 1] - sky.zeniths[i]);
-    for (std::size_t i = 0; i < sky.azimuths.size(); ++i)
-        most = std::max(most, gap_after(sky, i) * std::sin(sun.zenith));
-    return most;
-}
-
-void describe_vertical(const Sky& sky, const SkyDome& dome, std::size_t w, SkyLight& light) {
+void describe_vertical(const Sky& sky, const SkyDome& dome, std::size_t w, SkyAtWavelength& light) {
     const Sun& sun = *sky.sun;
     const double reach = std::min(kPi / 2, sky.zeniths.back());
-    const double nearest = spacing_near(sky, sun);
-    const auto keep_least = [](std::optional<double>& least, double angle) {
-        if (!least || angle < *least) least = angle;
-    };
-    for (double t : neutral_points(dome, w, sun.azimuth, reach)) {
-        const double above = sun.zenith - t;
-        if (above > kPi / 2)
-            keep_least(light.arago, kPi - above);
-        else if (above > nearest)
-            keep_least(light.babinet, above);
-        else if (above < -nearest)
-            keep_least(light.brewster, -above);
+    for (const NeutralPoint& point : neutral_points(dome, w, sun)) {
+        if (point.zenith > reach) continue;
+        (point.name == "Babinet"    ? light.babinet
+         : point.name == "Brewster" ? light.brewster
+                                    : light.arago) = point.distance;
     }
     if (const double across = sun.zenith - kPi / 2; std::abs(across) <= reach)
         light.dolp_at_right_angle = dolp(in_vertical(dome, w, sun.azimuth, across));
@@ -279,7 +240,7 @@ std::optional<std::string> doubt_of_signs(const SkyOrientation& found, const Sun
 
 // Describes how the wavelength stands to the sun; returns what is doubtful about it.
 std::optional<std::string> describe_orientation(const Sky& sky, const SkyDome& dome, std::size_t w,
-                                                SkyLight& light) {
+                                                SkyAtWavelength& light) {
     const std::vector<Patch> list = patches(sky, dome, w);
     light.orientation = asymmetry_about(sky.sun->azimuth, list, dome, w);
     light.orientation->deviation = median_deviation(list, *sky.sun, {});
@@ -319,7 +280,7 @@ void missing_nodes(const Sky& sky, std::vector<std::string>& missing) {
 }
 
 // "440 nm: S0 = 0 at 3 of 100 nodes"
-std::string count_line(const SkyLight& light, const std::string& what, std::size_t count,
+std::string count_line(const SkyAtWavelength& light, const std::string& what, std::size_t count,
                        const Sky& sky) {
     return to_text(light.wavelength_nm) + " nm: " + what + " at " + std::to_string(count) + " of " +
            std::to_string(sky.zeniths.size() * sky.azimuths.size()) + " nodes";
@@ -334,7 +295,7 @@ SkyDescription describe_sky(const Sky& sky) {
     missing_nodes(sky, description.missing);
     std::optional<std::string> orientation;  // of the first wavelength that shows it
     for (std::size_t w = 0; w < sky.wavelengths_nm.size(); ++w) {
-        SkyLight light;
+        SkyAtWavelength light;
         light.wavelength_nm = sky.wavelengths_nm[w];
         describe_nodes(sky, w, light);
         light.sky_irradiance = level_irradiance(sky, dome, w);

@@ -37,7 +37,7 @@ Sky with_sun(Sky sky, double zenith_deg, double azimuth_deg) {
 }
 
 // Babinet's point 20° above the sun, Brewster's 15° below, at azimuth 217.3°.
-SkyLight described_neutral(double sun_zenith_deg, int zeniths) {
+SkyAtWavelength described_neutral(double sun_zenith_deg, int zeniths) {
     const double azimuth = to_radians(217.3);
     const Sky sky = sample_sky(neutral_at(direction(to_radians(sun_zenith_deg - 20), azimuth),
                                           direction(to_radians(sun_zenith_deg + 15), azimuth)),
@@ -63,7 +63,7 @@ TEST_CASE(
     const std::array<double, 3> babinet{17.5, 13.5, 12.1}, brewster{22.1, 15.9, 13.9};
     const std::array<double, 3> across{0.623, 0.672, 0.682};
     for (std::size_t i = 0; i < 3; ++i) {
-        const SkyLight& light = sky.light[i];
+        const SkyAtWavelength& light = sky.light[i];
         REQUIRE(light.babinet);
         REQUIRE(light.brewster);
         CHECK(to_degrees(*light.babinet) == near(babinet[i], 0.3));
@@ -78,19 +78,19 @@ TEST_CASE(
 
 TEST_CASE("Sky description: neutral points across the zenith, beside the horizon and below it") {
     // Bilinear cells of 1°: h²/8 of second derivatives near 1, over slopes near sin 35°, is 0.004°.
-    const SkyLight high = described_neutral(8, 90);  // Babinet's point beyond the zenith
+    const SkyAtWavelength high = described_neutral(8, 90);  // Babinet's point beyond the zenith
     CHECK(to_degrees(high.babinet.value()) == near(20, 0.01));
     CHECK(to_degrees(high.brewster.value()) == near(15, 0.01));
     CHECK_FALSE(high.arago);
-    const SkyLight low = described_neutral(80, 90);  // opposite to Brewster's, 5° high
+    const SkyAtWavelength low = described_neutral(80, 90);  // opposite to Brewster's, 5° high
     CHECK(to_degrees(low.babinet.value()) == near(20, 0.01));
     CHECK_FALSE(low.brewster);
     CHECK(to_degrees(low.arago.value()) == near(15, 0.01));
-    const SkyLight coarse = described_neutral(45, 18);
+    const SkyAtWavelength coarse = described_neutral(45, 18);
     CHECK(to_degrees(coarse.babinet.value()) == near(20, 0.3));
     CHECK(to_degrees(coarse.brewster.value()) == near(15, 0.3));
     // Light scattered once is neutral at the sun alone.
-    const SkyLight once =
+    const SkyAtWavelength once =
         describe_sky(with_sun(sample_sky(smooth_sky(200.3), kOne, 90, 360), 50, 200.3)).light[0];
     CHECK_FALSE(once.babinet);
     CHECK_FALSE(once.brewster);
@@ -118,7 +118,7 @@ TEST_CASE("Sky description: irradiance is exact where S0 is linear between nodes
 }
 
 TEST_CASE("Sky description: range of S0, largest DoLP and its angle from the sun") {
-    const SkyLight light =
+    const SkyAtWavelength light =
         describe_sky(with_sun(sample_sky(smooth_sky(200), kOne, 90, 360), 50, 200)).light[0];
     // ¾ (1 + cos²Θ) from 0.75 to 1.5; DoLP 0.8 at 90° from the sun.
     CHECK(light.least_s0 == near(0.75, 1e-3));

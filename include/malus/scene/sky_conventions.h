@@ -37,15 +37,15 @@ Sky in_our_conventions(const Sky& map, const SkyConventions& conventions);
 Sky with_mirror_image(const Sky& half);
 
 /// Rows and columns of a picture of the dome.
-struct SkyGrid {
+struct MapSize {
     int zeniths = 0, azimuths = 0;
 };
 
 /// As fine as the map's nodes where they are evenly spaced all around, else 1°.
-SkyGrid grid_like(const Sky& map);
+MapSize grid_like(const Sky& map);
 
 /// The map at pixel centres of such a picture: the same nodes where they stand there already, else
 /// interpolated as SkyDome does, which breaks neither at the zenith nor at the seam.
-Sky at_pixel_centres(const Sky& map, const SkyGrid& grid);
+Sky at_pixel_centres(const Sky& map, const MapSize& grid);
 
 }  // namespace malus

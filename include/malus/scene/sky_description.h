@@ -2,8 +2,7 @@
 // its polarization stands to the sun as that of scattered light does.
 //
 //   irradiance     E = ∫ S0 cosθ dω over the dome, exact for the map's bilinear cells
-//   neutral point  where DoLP vanishes in the sun's vertical: there S2 = 0 by symmetry, and S1 changes
-//                  sign. Babinet above the sun, Brewster below it, Arago above the antisun
+//   neutral point  where the sun's vertical is unpolarized (neutral_points.h)
 //   asymmetry      about the sun's vertical, where S0 and S1 should be even and S2 odd:
 //                  of brightness ∫ |S0 − S0'| dω / ∫ (S0 + S0') dω, S' the mirrored map;
 //                  of polarization the same with the vectors (S1, S2) and their lengths
@@ -13,7 +12,6 @@
 // Frame   maps and their meridian frame as sky.h. In the sun's vertical the axis is in the plane,
 //         which at the zenith goes over from one meridian to the opposite one; S1 > 0: along the plane.
 // Units   angles in rad, W m⁻² sr⁻¹ nm⁻¹, W m⁻² nm⁻¹, nm.
-// Source  neutral points: Coulson, Polarization and Intensity of Light in the Atmosphere (1988).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -37,7 +35,7 @@ struct SkyOrientation {
 };
 
 /// One wavelength of a map.
-struct SkyLight {
+struct SkyAtWavelength {
     double wavelength_nm = 0;
     double least_s0 = 0, most_s0 = 0;
     SkyPlace brightest;
@@ -58,9 +56,9 @@ struct SkyLight {
 };
 
 struct SkyDescription {
-    std::vector<SkyLight> light;       ///< one a wavelength, ascending
-    std::vector<std::string> missing;  ///< what the map does not say, one line each
-    std::vector<std::string> doubts;   ///< what cannot be right in a sky, one line each
+    std::vector<SkyAtWavelength> light;  ///< one a wavelength, ascending
+    std::vector<std::string> missing;    ///< what the map does not say, one line each
+    std::vector<std::string> doubts;     ///< what cannot be right in a sky, one line each
 };
 
 /// Describes the map as it is, with the sun it declares.
