@@ -13,6 +13,7 @@
 #include "malus/core/frame.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
+#include "malus/io/sky_file.h"
 #include "malus/io/spectral_image.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
@@ -387,6 +388,83 @@ TEST_CASE("Sky and info: a sky is made and described", "[cli]") {
     CHECK(check.exit_code == 0);
     CHECK_THAT(check.out,
                Contains("550 nm") && Contains("negative in 96 %") && Contains("reciprocity: kept"));
+}
+
+TEST_CASE("Skies: each shipped map is what the command in its header makes", "[cli]") {
+    const TempFolder folder;
+    for (const char* name : {"rayleigh_30", "rayleigh_60", "rayleigh_80", "hazy_60"}) {
+        const std::string file = MALUS_SOURCE_DIR "/skies/" + std::string(name) + ".exr";
+        const Image shipped_map = read_exr(file);
+        // "malus sky make -o FILE OPTION…"
+        std::string command = *shipped_map.text("commandLine");
+        const std::string output = "-o skies/" + std::string(name) + ".exr";
+        REQUIRE_THAT(command, Contains("sky make " + output));
+        const std::string made = (folder / "made.exr").string();
+        command.replace(command.find(output), output.size(), "-o " + quoted(made));
+        REQUIRE(run(command.substr(command.find("sky make"))).exit_code == 0);
+        const Image made_map = read_exr(made);
+        CAPTURE(name);
+        REQUIRE(made_map.channels.size() == shipped_map.channels.size());
+        for (const auto& [channel, values] : shipped_map.channels) {
+            double largest = 0;
+            const std::vector<float>& again = made_map.channels.at(channel);
+            REQUIRE(again.size() == values.size());
+            for (std::size_t i = 0; i < values.size(); ++i)
+                largest = std::max(largest, static_cast<double>(std::abs(again[i] - values[i])));
+            CHECK(largest < 1e-6);
+        }
+        CHECK(made_map.text("sunIrradiance") != nullptr);
+    }
+}
+
+TEST_CASE("Sky make: aerosol dims the sun and the polarization; a low sun is said to be too low",
+          "[cli]") {
+    const TempFolder folder;
+    const std::string out = (folder / "sky.exr").string();
+    const std::string small = "sky make --wavelengths 550 --width 36 --height 9 -o " + quoted(out);
+    const auto sun = [&](const std::string& more) {
+        const Outcome made = run(small + more);
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+        const Sky sky = read_sky(out);
+        return sky.sun->irradiance[0];
+    };
+    const double clear = sun("");
+    // Sun at 60°: 2 × 0.3, whatever the aerosol scatters.
+    CHECK(sun(" --aerosol-depth 0.3") / clear == Approx(std::exp(-0.6)).epsilon(1e-5));
+    CHECK_THAT(*read_exr(out).text("skyModel"), Contains("aerosol mixed with the air") &&
+                                                    Contains("optical depth 0.3") &&
+                                                    Contains("g 0.7"));
+    const std::string table = (folder / "matrix.csv").string();
+    write_text(table, "angle_deg,F11,F12,F22,F33\n0,9,0,9,9\n90,1,-0.4,1,0\n180,2,0,2,-2\n");
+    CHECK(sun(" --aerosol-depth 0.3 --aerosol-place below --aerosol-matrix " + quoted(table)) /
+              clear ==
+          Approx(std::exp(-0.6)).epsilon(1e-5));
+    CHECK_THAT(*read_exr(out).text("skyModel"),
+               Contains("aerosol below the air") && Contains("matrix matrix.csv"));
+    fs::remove(out);
+    check_fails(small + " --aerosol-depth 0.3 --aerosol-matrix " + quoted(table + "x"), out,
+                {"matrix.csvx"});
+    write_text(table, "angle_deg,F11,F12,F22,F33\n0,9,0,9,9\n90,1,-0.4,1,0\n");
+    check_fails(small + " --aerosol-depth 0.3 --aerosol-matrix " + quoted(table), out,
+                {"matrix.csv", "angles end at 90"});
+    CHECK(run(small + " --aerosol-depth -1").exit_code == 2);
+
+    CHECK(run(small + " --sun-zenith 80").err.empty());
+    const Outcome low = run(small + " --sun-zenith 85");
+    CHECK(low.exit_code == 0);
+    CHECK(low.one_line());
+    CHECK_THAT(low.err, Contains("85 degrees from the zenith") && Contains("82"));
+}
+
+TEST_CASE("Render: --no-sun leaves the sky alone", "[cli]") {
+    const TempFolder folder;
+    const std::string lit = (folder / "lit.exr").string(), sky = (folder / "sky.exr").string();
+    REQUIRE(run(small_render(lit)).exit_code == 0);
+    REQUIRE(run(small_render(sky, "--no-sun")).exit_code == 0);
+    // At 440 nm green paint is nearly Lambertian: the sun at 60° brings E cos 60° = 0.56 of the 0.76
+    // that level ground receives.
+    CHECK(Exr(sky).mean("S0") / Exr(lit).mean("S0") == Approx(0.20 / 0.76).epsilon(0.2));
 }
 
 TEST_CASE("Sky info: a map is described, and doubted where its sun is not", "[cli]") {
