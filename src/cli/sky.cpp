@@ -27,6 +27,7 @@ struct SkyOptions {
     std::vector<double> wavelengths_nm{440, 550, 600};
     double sun_zenith_deg = 60, sun_azimuth_deg = 180;
     double ground_albedo = 0.2, pressure_hpa = 1013.25;
+    std::optional<double> optical_depth, depolarization, solar_irradiance;
     Aerosol aerosol;
     std::string aerosol_matrix;
     std::optional<double> max_dolp;
@@ -35,8 +36,12 @@ struct SkyOptions {
 
 std::string description(const SkyOptions& options) {
     std::string text = "Rayleigh atmosphere, all orders of scattering, ground albedo " +
-                       to_text(options.ground_albedo) + ", " + to_text(options.pressure_hpa) +
-                       " hPa";
+                       to_text(options.ground_albedo) + ", " +
+                       (options.optical_depth ? "optical depth " + to_text(*options.optical_depth)
+                                              : to_text(options.pressure_hpa) + " hPa");
+    if (options.depolarization) text += ", depolarization " + to_text(*options.depolarization);
+    if (options.solar_irradiance)
+        text += ", sun of " + to_text(*options.solar_irradiance) + " W m^-2 nm^-1";
     const Aerosol& aerosol = options.aerosol;
     if (aerosol.optical_depth_550 > 0) {
         text += std::string(", aerosol ") +
@@ -64,6 +69,9 @@ void make(SkyOptions options, const std::string& command_line) {
                          to_radians(options.sun_azimuth_deg),
                          options.ground_albedo,
                          options.pressure_hpa,
+                         options.optical_depth,
+                         options.depolarization,
+                         options.solar_irradiance,
                          options.aerosol,
                          options.max_dolp};
     if (options.sun_zenith_deg > kFlatEarth_deg)
@@ -154,6 +162,23 @@ void add_sky(CLI::App& app, const std::string& command_line) {
     sub->add_option("--pressure", options->pressure_hpa, "Air pressure at the ground, hPa")
         ->check(within(1.0, 1100.0))
         ->capture_default_str();
+    const char* const tables = "Instead of the air's own and the sun's, to compare with tables";
+    sub->add_option(
+           "--optical-depth", options->optical_depth,
+           "Vertical optical depth of the air, at all wavelengths; without, Bodhaine's for "
+           "--pressure")
+        ->group(tables)
+        ->check(within(1e-6, 10.0));
+    sub->add_option("--depolarization", options->depolarization,
+                    "Depolarization of natural light that the air scatters by 90 degrees; without, "
+                    "Bates's, about 0.03")
+        ->group(tables)
+        ->check(within(0.0, 0.857));
+    sub->add_option("--solar-irradiance", options->solar_irradiance,
+                    "Irradiance of the sun above the air on a plane that faces it, W m^-2 nm^-1; "
+                    "without, ASTM G173-03's")
+        ->group(tables)
+        ->check(within(1e-12, 1e12));
     add_aerosol(*sub, *options);
     sub->add_option(
            "--max-dolp", options->max_dolp,

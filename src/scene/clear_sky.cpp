@@ -62,8 +62,9 @@ ScatteringMatrix aerosol_matrix(const Aerosol& aerosol, double wavelength_nm) {
 }
 
 Atmosphere atmosphere(const ClearSky& model, double wavelength_nm) {
-    const Scatterer air{rayleigh_optical_depth(wavelength_nm, model.pressure_hpa), 1,
-                        rayleigh_matrix(rayleigh_depolarization(wavelength_nm))};
+    const Scatterer air{
+        model.optical_depth.value_or(rayleigh_optical_depth(wavelength_nm, model.pressure_hpa)), 1,
+        rayleigh_matrix(model.depolarization.value_or(rayleigh_depolarization(wavelength_nm)))};
     const Aerosol& aerosol = model.aerosol;
     if (aerosol.optical_depth_550 == 0) return {{{air}}, model.ground_albedo};
     const Scatterer haze{
@@ -119,7 +120,7 @@ Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm
     }
     sky.sun = Sun{model.sun_zenith, model.sun_azimuth, {}};
     for (double nm : wavelengths_nm) {
-        const double E0 = solar_irradiance(nm);
+        const double E0 = model.solar_irradiance ? *model.solar_irradiance : solar_irradiance(nm);
         const GroundLight light =
             light_at_ground(atmosphere(model, nm), std::cos(model.sun_zenith), mu, from_sun);
         for (const Stokes<double>& S : light.sky) sky.nodes.push_back(E0 * S);

@@ -450,6 +450,12 @@ TEST_CASE("Sky make: aerosol dims the sun and the polarization; a low sun is sai
                 {"matrix.csv", "angles end at 90"});
     CHECK(run(small + " --aerosol-depth -1").exit_code == 2);
 
+    // A table's own numbers: a sun of π through air of depth 0.25 at 60°.
+    CHECK(sun(" --optical-depth 0.25 --depolarization 0 --solar-irradiance 3.14159265") ==
+          Approx(kPi * std::exp(-0.5)).epsilon(1e-6));
+    CHECK_THAT(*read_exr(out).text("skyModel"),
+               Contains("optical depth 0.25") && Contains("depolarization 0"));
+
     CHECK(run(small + " --sun-zenith 80").err.empty());
     const Outcome low = run(small + " --sun-zenith 85");
     CHECK(low.exit_code == 0);

@@ -37,6 +37,9 @@ struct ClearSky {
     double sun_zenith = to_radians(60), sun_azimuth = to_radians(180);  ///< zenith < π/2
     double ground_albedo = 0.2;                                         ///< Lambertian, [0, 1]
     double pressure_hpa = 1013.25;                                      ///< at the ground
+    /// Instead of the air's own, at all wavelengths: to compare with tables of other codes.
+    std::optional<double> optical_depth, depolarization;
+    std::optional<double> solar_irradiance;  ///< above the air, instead of the table's
     Aerosol aerosol;
     /// Scales the polarization so that the largest DoLP of the map is this, [0, 1]; as air has it
     /// without.
