@@ -307,9 +307,10 @@ OverGround over_ground(const Slab& air, double albedo, const Directions& at) {
     return {air.T_sun + u * back, air.R_sun + u * through};
 }
 
-// What the whole matrix scatters once beyond what the smooth one does, into direction (mu, azimuth).
+// What the whole matrix scatters once beyond what the smooth one does, seen in direction (mu, azimuth)
+// from below, or from above (up).
 Stokes<double> once_scattered_rest(const std::vector<Medium>& media, double mu0, double mu,
-                                   double azimuth) {
+                                   double azimuth, bool up) {
     Stokes<double> sum;
     double below = 0;
     for (const Medium& medium : media) below += medium.tau;
@@ -321,10 +322,11 @@ Stokes<double> once_scattered_rest(const std::vector<Medium>& media, double mu0,
                 return medium.whole_above_peak(c) + -1 * medium.smooth(c);
             };
             const Vector3d Z =
-                phase_matrix(propagation(-mu, azimuth), propagation(-mu0, 0), rest).col(0);
-            const double strength = medium.albedo / (4 * kPi) *
-                                    std::exp(-above / mu0 - below / mu) *
-                                    scattered_on(medium.tau, mu, mu0);
+                phase_matrix(propagation(up ? mu : -mu, azimuth), propagation(-mu0, 0), rest)
+                    .col(0);
+            const double strength =
+                medium.albedo / (4 * kPi) * std::exp(-above / mu0 - (up ? above : below) / mu) *
+                (up ? scattered_back(medium.tau, mu, mu0) : scattered_on(medium.tau, mu, mu0));
             sum = sum + strength * Stokes<double>{Z(0), Z(1), Z(2), 0};
         }
         above += medium.tau;
@@ -381,8 +383,8 @@ GroundLight light_at_ground(const Atmosphere& air, double mu0, std::span<const d
     for (const auto& layer : air.layers)
         for (const Scatterer& kind : layer) depth += kind.optical_depth;
 
-    GroundLight light{std::vector<Stokes<double>>(mu.size() * azimuths.size()),
-                      std::exp(-depth / mu0), 0, 0};
+    const std::vector<Stokes<double>> dark(mu.size() * azimuths.size());
+    GroundLight light{dark, dark, std::exp(-depth / mu0), 0, 0};
     double brightest = 0;
     for (int m = 0; m <= last_mode && !media.empty(); ++m) {
         std::optional<Slab> slab;
@@ -391,16 +393,17 @@ GroundLight light_at_ground(const Atmosphere& air, double mu0, std::span<const d
             const Slab layer = homogeneous_slab(m, media[i], Z[i], at);
             slab = slab ? stacked(*slab, layer) : layer;
         }
-        VectorXd down = slab->T_sun;
+        VectorXd down = slab->T_sun, up = slab->R_sun;
         // The ground's glow is even: mode 0 alone.
         if (m == 0) {
             const OverGround all = over_ground(*slab, air.ground_albedo, at);
-            down = all.down;
+            down = all.down, up = all.up;
             light.diffuse = flux(down, at.nodes) + mu0 * (slab->sun_passes - light.direct);
             light.escaping = flux(all.up, at.nodes);
             if (mu.empty()) break;
         }
         add_mode(m, down.tail(at.all() - at.inner()), azimuths, light.sky);
+        add_mode(m, up.tail(at.all() - at.inner()), azimuths, light.top);
         const double amplitude = down.lpNorm<Eigen::Infinity>();
         brightest = std::max(brightest, amplitude);
         if (m >= 2 && amplitude < kLeastMode * brightest) break;
@@ -408,8 +411,12 @@ GroundLight light_at_ground(const Atmosphere& air, double mu0, std::span<const d
     if (largest_peak(media) > 0)
         for (std::size_t i = 0; i < mu.size(); ++i)
             for (std::size_t j = 0; j < azimuths.size(); ++j) {
-                Stokes<double>& S = light.sky[i * azimuths.size() + j];
-                S = S + once_scattered_rest(media, mu0, at.mu[at.nodes.x.size() + i], azimuths[j]);
+                const std::size_t k = i * azimuths.size() + j;
+                const double cosine = at.mu[at.nodes.x.size() + i];
+                light.sky[k] =
+                    light.sky[k] + once_scattered_rest(media, mu0, cosine, azimuths[j], false);
+                light.top[k] =
+                    light.top[k] + once_scattered_rest(media, mu0, cosine, azimuths[j], true);
             }
     return light;
 }

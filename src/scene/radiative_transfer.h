@@ -43,9 +43,12 @@ struct Atmosphere {
 /// Light at the ground, per unit of the sun's irradiance on a plane that faces it above the air.
 struct GroundLight {
     std::vector<Stokes<double>> sky;  ///< diffuse radiance [mu][azimuth], sr⁻¹
-    double direct;                    ///< of the sun's beam, what arrives unscattered
-    double diffuse;                   ///< irradiance of the sky on level ground
-    double escaping;                  ///< exitance at the top of the air
+    /// What leaves the air at its top, as one sees it who looks down at the same angles to the vertical
+    /// and toward the same azimuths: radiance [mu][azimuth], sr⁻¹, S1 > 0 in the vertical plane.
+    std::vector<Stokes<double>> top;
+    double direct;    ///< of the sun's beam, what arrives unscattered
+    double diffuse;   ///< irradiance of the sky on level ground
+    double escaping;  ///< exitance at the top of the air
 };
 
 /// The light that comes down at each of `mu` (in (0, 1]) and each azimuth from the sun's, rad; without

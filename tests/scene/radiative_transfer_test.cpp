@@ -116,6 +116,30 @@ TEST_CASE("Transfer: depolarizing air as PSTAR has it, within 2e-6") {
     }
 }
 
+TEST_CASE("Transfer: the light that leaves the air at its top is PSTAR's, within 2e-6") {
+    // The same table's other end; view zenith angles of 180° − z.
+    struct Row {
+        double depolarization, sun_zenith, view_zenith, azimuth, I, Q, U;
+    };
+    for (const Row& row : {
+             Row{0.03, 30.0, 160.0, 65.0, 4.868928E-02, -1.105297E-03, 1.148260E-02},
+             Row{0.03, 30.0, 160.0, 300.0, 4.816767E-02, -2.490173E-03, -1.173368E-02},
+             Row{0.03, 30.0, 120.0, 65.0, 5.819503E-02, -1.917220E-02, 3.171269E-02},
+             Row{0.03, 30.0, 120.0, 120.0, 7.300461E-02, -5.707682E-03, 2.277640E-02},
+         }) {
+        const double mu = -std::cos(to_radians(row.view_zenith));
+        const Stokes<double> S =
+            light_at_ground(rayleigh(0.5, row.depolarization, 0),
+                            std::cos(to_radians(row.sun_zenith)), std::array{mu},
+                            std::array{to_radians(row.azimuth)})
+                .top[0];
+        CAPTURE(row.view_zenith, row.azimuth);
+        CHECK(S.s0 == near(row.I, 2e-6 * row.I));
+        CHECK(S.s1 == near(row.Q, 2e-6 * row.I));
+        CHECK(S.s2 == near(-row.U, 2e-6 * row.I));
+    }
+}
+
 TEST_CASE("Transfer: no light is lost, and ways of light can be reversed") {
     // Conservative air: what comes through of even light from above is 1 − s, s the share of even
     // light from below that returns. By reciprocity that share is 2 ∫ G(μ0) dμ0, G the irradiance
