@@ -133,18 +133,20 @@ SkyResampling compare(const EqualAreaSky& grid, const SkyDome& dome) {
     return change;
 }
 
-// The coarsest grid that will do, if any.
+// The coarsest grid that will do, if any: from the finest down, until one is too coarse.
 std::optional<EqualAreaSky> choose_grid(const SkyDome& dome, const Irradiance& light,
                                         double sharpest_slope) {
-    if (sharpest_slope / 3 < std::max(dome.spacing(), cell_width(kFinest))) return {};
+    std::optional<EqualAreaSky> chosen;
+    if (sharpest_slope / 3 < std::max(dome.spacing(), cell_width(kFinest))) return chosen;
     const EqualAreaSky means(dome, cells_for(sharpest_slope / 3));
-    for (std::size_t cells = kCoarsest; cells <= means.cells(); cells *= 2) {
+    for (std::size_t cells = means.cells(); cells >= kCoarsest; cells /= 2) {
         Candidate found = candidate(means, cells);
-        if (found.error < SkyEmitter::kTolerance &&
-            difference(irradiance(found.values).level, light.level) < SkyEmitter::kTolerance)
-            return std::move(found.values);
+        if (found.error >= SkyEmitter::kTolerance ||
+            difference(irradiance(found.values).level, light.level) >= SkyEmitter::kTolerance)
+            break;
+        chosen = std::move(found.values);
     }
-    return {};
+    return chosen;
 }
 
 // The map's own cells, for a distribution as sharp as the map.
