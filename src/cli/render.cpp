@@ -26,7 +26,7 @@ struct RenderOptions {
     std::vector<std::string> materials, assign;
     std::vector<double> wavelengths_nm;
     double view_zenith_deg = 30, view_azimuth_deg = 0, fov_deg = 0, margin = 0.05;
-    bool orthographic = false, no_sun = false, quiet = false;
+    bool orthographic = false, no_sun = false, debias = false, quiet = false;
     CLI::Option* camera_option = nullptr;
     std::vector<CLI::Option*> view_options;
     RenderSettings settings;
@@ -203,7 +203,6 @@ void add_provenance(Image& image, const RenderOptions& options, const RenderStat
     image.attributes["seed"] = std::to_string(stats.seed);
     image.attributes["wallTime"] =
         static_cast<float>(stats.load_s + stats.build_s + stats.render_s);
-    image.attributes["dolpEstimator"] = "raw";
     image.attributes["scene"] = options.scene;
     image.attributes["sky"] = options.sky;
     image.attributes["materials"] = options.materials;
@@ -314,7 +313,8 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     stats.threads = settings.threads;
     stats.seed = settings.seed;
     start = std::chrono::steady_clock::now();
-    Image image = to_image(result.film, in.labels);
+    Image image = to_image(result.film, in.labels,
+                           options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     add_provenance(image, options, stats, command_line);
     write_exr(options.output, image);
     stats.write_s = seconds_since(start);
@@ -398,6 +398,10 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "Threads; 0: all of the machine. The image does not depend on it")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
+    sub.add_flag("--debias", o.debias,
+                 "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
+                 "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "
+                 "vectors, never such DoLPs");
     sub.add_flag("--quiet", o.quiet, "No progress, no notes, no closing line");
 }
 

@@ -28,13 +28,15 @@ double aolp_degrees(const Stokes<double>& S) {
     return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
 }
 
-void fill_wavelength(Image& image, const Film& film, std::size_t w) {
+void fill_wavelength(Image& image, const Film& film, std::size_t w, DolpEstimator estimator) {
     using P = PixelStokes;
     fill(image, "S0", film, w, [](const P& p) { return p.mean.s0; });
     fill(image, "S1", film, w, [](const P& p) { return p.mean.s1; });
     fill(image, "S2", film, w, [](const P& p) { return p.mean.s2; });
     fill(image, "S3", film, w, [](const P& p) { return p.mean.s3; });
-    fill(image, "DoLP", film, w, [](const P& p) { return std::min(1.0, dolp(p.mean)); });
+    fill(image, "DoLP", film, w, [&](const P& p) {
+        return estimator == DolpEstimator::kRaw ? std::min(1.0, dolp(p.mean)) : debiased_dolp(p);
+    });
     fill(image, "AoLP", film, w, [](const P& p) { return aolp_degrees(p.mean); });
     fill(image, "StdErr_S0", film, w, [](const P& p) { return std::sqrt(p.covariance[0]); });
     fill(image, "StdErr_S1", film, w, [](const P& p) { return std::sqrt(p.covariance[3]); });
@@ -123,13 +125,15 @@ void declare_stokes(Image& image, const std::string& frame) {
     image.attributes["stokesReferenceFrame"] = frame;
 }
 
-Image to_image(const Film& film, const Labels& labels) {
+Image to_image(const Film& film, const Labels& labels, DolpEstimator estimator) {
     Image image;
     image.width = film.width;
     image.height = film.height;
     declare_stokes(image, "image");
     image.attributes["aolpUnits"] = "degrees";
-    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) fill_wavelength(image, film, w);
+    image.attributes["dolpEstimator"] = estimator == DolpEstimator::kRaw ? "raw" : "MAS";
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w)
+        fill_wavelength(image, film, w, estimator);
     image.channel("A") = film.coverage;
     image.channel("Z") = film.distance;
     std::copy(film.samples.begin(), film.samples.end(), image.channel("N.samples").begin());

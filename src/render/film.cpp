@@ -58,6 +58,17 @@ double stderr_aolp(const PixelStokes& pixel) {
     return std::min(kPi / 2, widening(pixel) * std::sqrt(std::max(0.0, variance)) / (2 * P));
 }
 
+double debiased_dolp(const PixelStokes& pixel) {
+    const Stokes<double>& S = pixel.mean;
+    const auto c = [&](Entry e) { return static_cast<double>(pixel.covariance[e]); };
+    const double p = std::min(1.0, dolp(S)), P = std::hypot(S.s1, S.s2);
+    if (p == 0) return 0;
+    const double q = S.s1 / P, u = S.s2 / P;
+    const double b2 = (q * q * c(k22) + u * u * c(k11) - 2 * q * u * c(k12)) / sqr(S.s0);
+    if (!(b2 > 0)) return p;
+    return std::max(0.0, p + b2 * std::expm1(-p * p / b2) / (2 * p));
+}
+
 Film::Film(int w, int h, std::vector<double> wavelengths)
     : width(w), height(h), wavelengths_nm(std::move(wavelengths)) {
     const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);

@@ -473,6 +473,17 @@ TEST_CASE("Render: --no-sun leaves the sky alone", "[cli]") {
     CHECK(Exr(sky).mean("S0") / Exr(lit).mean("S0") == Approx(0.20 / 0.76).epsilon(0.2));
 }
 
+TEST_CASE("Render: --debias lowers DoLP where it is noise, and says so", "[cli]") {
+    const TempFolder folder;
+    const std::string raw = (folder / "raw.exr").string(), mas = (folder / "mas.exr").string();
+    REQUIRE(run(small_render(raw)).exit_code == 0);
+    REQUIRE(run(small_render(mas, "--debias")).exit_code == 0);
+    CHECK(*read_exr(raw).text("dolpEstimator") == "raw");
+    CHECK(*read_exr(mas).text("dolpEstimator") == "MAS");
+    CHECK(Exr(mas).mean("DoLP") < Exr(raw).mean("DoLP"));
+    CHECK(Exr(mas).mean("S1") == Exr(raw).mean("S1"));
+}
+
 TEST_CASE("Sky info: a map is described, and doubted where its sun is not", "[cli]") {
     const TempFolder folder;
     const std::string sky = shipped("skies/rayleigh_60.exr");

@@ -200,3 +200,89 @@ TEST_CASE("Error bars: few replicates that carry the light widen them by Kish's 
     pixel.covariance = {1.f / 7, 1.f / 14, 0, 1.f / 28, 0, 0.01f, 0};
     CHECK(stderr_aolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.1 / (2 * 0.5)));
 }
+
+namespace {
+
+// Mean of the raw and of the debiased DoLP over noise of deviation `sigma` in S1 and S2, S0 = 1, by
+// midpoints over ±7 deviations. The estimate is written anew here.
+struct Means {
+    double raw = 0, debiased = 0;
+};
+Means expected_dolp(double p0, double sigma) {
+    constexpr int kSteps = 700;
+    Means sum;
+    double weights = 0;
+    for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+            const double x = 14 * ((i + 0.5) / kSteps - 0.5), y = 14 * ((j + 0.5) / kSteps - 0.5);
+            const double weight = std::exp(-(x * x + y * y) / 2);
+            const double p = std::hypot(p0 + sigma * x, sigma * y), b2 = sigma * sigma;
+            weights += weight;
+            sum.raw += weight * p;
+            sum.debiased += weight * (p - b2 * (1 - std::exp(-p * p / b2)) / (2 * p));
+        }
+    return {sum.raw / weights, sum.debiased / weights};
+}
+
+}  // namespace
+
+TEST_CASE("Debiased DoLP: the bias that is left is the MAS formula's, at any signal to noise",
+          "[statistical]") {
+    // Known DoLP at an AoLP of 20°, its error p/snr (0.02 where it is 0). Mean of 4000 pixels within
+    // 4.5 of its errors: false alarms 7e-6, 26 times.
+    std::mt19937_64 engine(11);
+    std::normal_distribution<double> normal;
+    for (const auto& [p0, snr] : {std::pair{0.0, 0.0},
+                                  {0.01, 1.0},
+                                  {0.01, 2.0},
+                                  {0.01, 3.0},
+                                  {0.01, 10.0},
+                                  {0.05, 1.0},
+                                  {0.05, 2.0},
+                                  {0.05, 3.0},
+                                  {0.05, 10.0},
+                                  {0.3, 3.0},
+                                  {0.3, 10.0}}) {
+        const double sigma = p0 > 0 ? p0 / snr : 0.02;
+        const double q = std::cos(to_radians(40)), u = std::sin(to_radians(40));
+        double raw = 0, debiased = 0, squares = 0;
+        constexpr int kPixels = 4000;
+        for (int i = 0; i < kPixels; ++i) {
+            PixelStokes pixel;
+            pixel.mean = {2, 2 * (p0 * q + sigma * normal(engine)),
+                          2 * (p0 * u + sigma * normal(engine)), 0};
+            pixel.covariance[3] = pixel.covariance[5] = static_cast<float>(4 * sigma * sigma);
+            raw += std::min(1.0, dolp(pixel.mean)) / kPixels;
+            debiased += debiased_dolp(pixel) / kPixels;
+            squares += sqr(debiased_dolp(pixel)) / kPixels;
+        }
+        const double error = std::sqrt((squares - debiased * debiased) / kPixels);
+        const Means expected = expected_dolp(p0, sigma);
+        CAPTURE(p0, snr, raw, debiased, error);
+        CHECK(std::abs(debiased - expected.debiased) < 4.5 * error);
+        CHECK(std::abs(raw - expected.raw) < 4.5 * error);
+        // What it is for: from 3 errors on a tenth of the raw bias is left, and less.
+        if (snr >= 3)
+            CHECK(std::abs(expected.debiased - p0) < 0.1 * (expected.raw - p0));
+        else
+            CHECK(expected.debiased - p0 < expected.raw - p0);
+    }
+}
+
+TEST_CASE("Debiased DoLP: error ellipses of any shape, no error, no light") {
+    PixelStokes pixel;
+    pixel.mean = {2, 0, 0.4, 0};
+    // Only noise across the polarization adds to DoLP: here C11.
+    pixel.covariance[3] = 0.04f, pixel.covariance[5] = 9;
+    const double b2 = 0.01, p = 0.2;
+    CHECK(debiased_dolp(pixel) == Approx(p - b2 * (1 - std::exp(-p * p / b2)) / (2 * p)));
+    // At 45° between the axes C12 counts: b² = (C11 + C22 − 2 C12)/2/S0².
+    pixel.mean = {1, 0.3, 0.3, 0};
+    pixel.covariance = {0, 0, 0, 0.02f, 0.01f, 0.03f, 0};
+    const double P = std::hypot(0.3, 0.3);
+    CHECK(debiased_dolp(pixel) == Approx(P - 0.015 * (1 - std::exp(-P * P / 0.015)) / (2 * P)));
+    pixel.covariance = {};
+    CHECK(debiased_dolp(pixel) == Approx(P));
+    pixel.mean = {};
+    CHECK(debiased_dolp(pixel) == 0);
+}

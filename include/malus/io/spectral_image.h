@@ -47,6 +47,11 @@ struct Labels {
     std::vector<int> material_of_instance, node_of_instance;  ///< indices into the names
 };
 
-Image to_image(const Film& film, const Labels& labels);
+/// What stands in the DoLP channels: P/S0, or debiased_dolp() (film.h).
+enum class DolpEstimator { kRaw, kDebiased };
+
+/// The header's dolpEstimator says "raw" or "MAS".
+Image to_image(const Film& film, const Labels& labels,
+               DolpEstimator estimator = DolpEstimator::kRaw);
 
 }  // namespace malus

@@ -3,7 +3,8 @@
 //   S = mean over R replicates of their means S_r,   C = Σ_r (S_r − S)(S_r − S)ᵀ / (R(R−1))
 //   var p    = [(S1²C11 + S2²C22 + 2S1S2C12)/P² + p²C00 − 2p(S1C01 + S2C02)/P] / S0²
 //   var AoLP = (S1²C22 + S2²C11 − 2S1S2C12)/(4P⁴)              P = √(S1²+S2²), p = P/S0 = DoLP
-//   both times (R−1)/R · m/(m−1), m = R/(1 + (R−1)C00/S0²) the number of replicates that carry
+//   p̂        = p − b² (1 − e^{−p²/b²})/(2p),   b² = (S1²C22 + S2²C11 − 2S1S2C12)/(P²S0²)
+//   variances times (R−1)/R · m/(m−1), m = R/(1 + (R−1)C00/S0²) the number of replicates that carry
 //   the light; below m = 2 nothing is known, nor of AoLP where p is below 3 of its errors
 //
 // Frame   the camera's image frame of each pixel's beam (camera.h). Units W m⁻² sr⁻¹ nm⁻¹, m, rad.
@@ -33,6 +34,11 @@ inline constexpr std::uint32_t kReplicates = 8;
 /// light came from one replicate, whose spread nobody saw. Without light DoLP is 0 for certain.
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
+
+/// DoLP less what noise adds to it on average (it makes light look polarized): p̂, the modified
+/// asymptotic (MAS) estimate of Plaszczynski et al., in [0, 1]. Of finished pixels only: a mean of
+/// several is the DoLP of their mean Stokes vector.
+double debiased_dolp(const PixelStokes& pixel);
 
 /// A sample that was kept out because it was not finite or had S0 < 0.
 struct RefusedSample {
