@@ -33,7 +33,8 @@ std::vector<double> sun_irradiance(const std::string& text, const Sky& sky,
             throw Error(place + ": '" + one_line(entry, 40) + "' is not of the form 440nm:1.52");
         const double nm = number_in(std::string_view(entry).substr(0, colon), place);
         const double value = number_in(std::string_view(entry).substr(colon + 3), place);
-        if (!(value >= 0)) throw Error(place + ": " + to_text(nm) + " nm is negative");
+        if (!(value >= 0 && std::isfinite(value)))
+            throw Error(place + ": at " + to_text(nm) + " nm it must be finite and >= 0");
         if (const auto w = find_wavelength(sky.wavelengths_nm, nm)) irradiance[*w] = value;
     }
     for (std::size_t w = 0; w < irradiance.size(); ++w)
@@ -61,6 +62,10 @@ void read_sun(const Image& image, Sky& sky, const std::string& file) {
             throw Error(file + ": sunIrradiance without sunZenith and sunAzimuth; add them");
         return;
     }
+    if (!(*zenith >= 0 && *zenith <= 180))
+        throw Error(file + ": sunZenith must be within 0 to 180 degrees");
+    if (!(std::abs(*azimuth) <= 360))
+        throw Error(file + ": sunAzimuth must be within -360 to 360 degrees");
     sky.sun = Sun{
         to_radians(static_cast<double>(*zenith)), to_radians(static_cast<double>(*azimuth)), {}};
     if (irradiance) sky.sun->irradiance = sun_irradiance(*irradiance, sky, file);

@@ -146,6 +146,29 @@ TEST_CASE("Sky EXR: channel names of other writers and their errors") {
     CHECK_THROWS_WITH(read_sky(folder / "absent.exr"), Contains("file not found"));
 }
 
+TEST_CASE("Sky EXR: a sun that cannot be is refused with what to mend") {
+    const TempFolder folder;
+    Sky sky = make_clear_sky({}, std::array{550.0, 600.0}, 4, 8);
+    write_sky(folder / "sky.exr", sky, {});
+    const Image good = read_exr(folder / "sky.exr");
+    const auto check = [&](const std::string& name, const Attribute& value,
+                           const std::string& message) {
+        Image image = good;
+        image.attributes[name] = value;
+        write_exr(folder / "bad.exr", image);
+        CAPTURE(name);
+        CHECK_THROWS_WITH(read_sky(folder / "bad.exr"), Contains(message));
+    };
+    check("sunZenith", 1e8f, "sunZenith must be within 0 to 180 degrees");
+    check("sunZenith", NAN, "sunZenith must be");
+    check("sunAzimuth", INFINITY, "sunAzimuth must be within");
+    check("sunIrradiance", std::string("550nm:inf;600nm:1;"), "at 550 nm it must be finite");
+    check("sunIrradiance", std::string("550nm:-1;600nm:1;"), ">= 0");
+    check("sunIrradiance", std::string("550nm:1;"), "says nothing of 600 nm");
+    check("sunIrradiance", std::string("550:1;600nm:1;"), "not of the form");
+    check("sunIrradiance", std::string("550nm:one;600nm:1;"), "'one' is not a number");
+}
+
 TEST_CASE("Sky EXR: a file cut off anywhere is refused, never half read") {
     const TempFolder folder;
     write_sky(folder / "sky.exr", make_clear_sky({}, std::vector<double>{440}, 9, 12), {});
