@@ -1,4 +1,4 @@
-// sky.cpp — malus sky make: an analytic sky map.
+// sky.cpp — malus sky make: a sky map by radiative transfer; and the group of commands about skies.
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -89,40 +89,47 @@ void make(SkyOptions options, const std::string& command_line) {
 void add_aerosol(CLI::App& sub, SkyOptions& options) {
     const char* const group = "Aerosol";
     Aerosol& aerosol = options.aerosol;
-    sub.add_option(
-           "--aerosol-depth", aerosol.optical_depth_550,
-           "Vertical optical depth of the aerosol at 550 nm; 0.05 clear, 0.2 usual, 0.5 hazy")
-        ->group(group)
-        ->check(within(0.0, 5.0))
-        ->capture_default_str();
+    CLI::Option* const depth =
+        sub.add_option(
+               "--aerosol-depth", aerosol.optical_depth_550,
+               "Vertical optical depth of the aerosol at 550 nm; 0.05 clear, 0.2 usual, 0.5 hazy")
+            ->group(group)
+            ->check(within(0.0, 5.0))
+            ->capture_default_str();
     sub.add_option("--angstrom", aerosol.angstrom_exponent,
                    "Angstrom exponent a: the optical depth goes with wavelength to the power -a")
         ->group(group)
+        ->needs(depth)
         ->check(within(-1.0, 4.0))
         ->capture_default_str();
     sub.add_option("--aerosol-albedo", aerosol.single_scattering_albedo,
                    "Single-scattering albedo: share of what meets a particle that is scattered")
         ->group(group)
+        ->needs(depth)
         ->check(within(0.0, 1.0))
         ->capture_default_str();
     sub.add_option(
            "--asymmetry", aerosol.asymmetry,
            "Asymmetry g of the Henyey-Greenstein function: mean cosine of scattering angles")
         ->group(group)
+        ->needs(depth)
         ->check(within(-0.95, 0.95))
         ->capture_default_str();
     sub.add_option("--aerosol-polarization", aerosol.polarization,
                    "Degree of polarization of light scattered once by 90 degrees by the aerosol")
         ->group(group)
+        ->needs(depth)
         ->check(within(0.0, 1.0))
         ->capture_default_str();
     sub.add_option("--aerosol-matrix", options.aerosol_matrix,
                    "Scattering matrix instead of Henyey-Greenstein's: CSV file with header "
                    "angle_deg,F11,F12,F22,F33 (wavelength_nm before it if it changes with it)")
-        ->group(group);
+        ->group(group)
+        ->needs(depth);
     sub.add_option("--aerosol-place", aerosol.place,
                    "Where the aerosol is: mixed evenly with the air, or in a layer below it")
         ->group(group)
+        ->needs(depth)
         ->transform(CLI::Transformer(std::map<std::string, AerosolPlace>{
             {"mixed", AerosolPlace::kMixed}, {"below", AerosolPlace::kBelow}}))
         ->default_str("mixed")

@@ -404,7 +404,8 @@ GroundLight light_at_ground(const Atmosphere& air, double mu0, std::span<const d
         }
         add_mode(m, down.tail(at.all() - at.inner()), azimuths, light.sky);
         add_mode(m, up.tail(at.all() - at.inner()), azimuths, light.top);
-        const double amplitude = down.lpNorm<Eigen::Infinity>();
+        const double amplitude =
+            std::max(down.lpNorm<Eigen::Infinity>(), up.lpNorm<Eigen::Infinity>());
         brightest = std::max(brightest, amplitude);
         if (m >= 2 && amplitude < kLeastMode * brightest) break;
     }

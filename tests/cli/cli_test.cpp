@@ -449,6 +449,7 @@ TEST_CASE("Sky make: aerosol dims the sun and the polarization; a low sun is sai
     check_fails(small + " --aerosol-depth 0.3 --aerosol-matrix " + quoted(table), out,
                 {"matrix.csv", "angles end at 90"});
     CHECK(run(small + " --aerosol-depth -1").exit_code == 2);
+    CHECK(run(small + " --asymmetry 0.8").exit_code == 2);  // of which aerosol?
 
     // A table's own numbers: a sun of π through air of depth 0.25 at 60°.
     CHECK(sun(" --optical-depth 0.25 --depolarization 0 --solar-irradiance 3.14159265") ==
