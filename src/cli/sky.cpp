@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cli/commands.h"
+#include "cli/progress.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
@@ -31,6 +32,7 @@ struct SkyOptions {
     Aerosol aerosol;
     std::string aerosol_matrix;
     std::optional<double> max_dolp;
+    bool quiet = false;
     int width = 360, height = 90;
 };
 
@@ -55,6 +57,8 @@ std::string description(const SkyOptions& options) {
         else
             text += ", matrix " + fs::path(options.aerosol_matrix).filename().string();
     }
+    text += "; flat atmosphere: holds for sun and view within about " + to_text(kFlatEarth_deg) +
+            " degrees of the zenith";
     if (options.max_dolp) text += ", polarization scaled to DoLP " + to_text(*options.max_dolp);
     return text;
 }
@@ -74,12 +78,16 @@ void make(SkyOptions options, const std::string& command_line) {
                          options.solar_irradiance,
                          options.aerosol,
                          options.max_dolp};
-    if (options.sun_zenith_deg > kFlatEarth_deg)
+    if (options.sun_zenith_deg > kFlatEarth_deg && !options.quiet)
         std::cerr
             << "malus: note: the sun stands " << to_text(options.sun_zenith_deg)
             << " degrees from the zenith; the atmosphere is computed flat, which holds to about "
             << to_text(kFlatEarth_deg) << "\n";
-    const Sky sky = make_clear_sky(model, wavelengths, options.height, options.width);
+    const Sky sky = [&] {
+        Progress progress("making the sky", options.quiet);
+        return make_clear_sky(model, wavelengths, options.height, options.width,
+                              [&](double done) { progress.update(done); });
+    }();
     write_sky(options.output, sky,
               {{"skyModel", description(options)},
                {"malusVersion", version()},
@@ -113,7 +121,7 @@ void add_aerosol(CLI::App& sub, SkyOptions& options) {
            "Asymmetry g of the Henyey-Greenstein function: mean cosine of scattering angles")
         ->group(group)
         ->needs(depth)
-        ->check(within(-0.95, 0.95))
+        ->check(within(-0.9, 0.9))
         ->capture_default_str();
     sub.add_option("--aerosol-polarization", aerosol.polarization,
                    "Degree of polarization of light scattered once by 90 degrees by the aerosol")
@@ -130,7 +138,7 @@ void add_aerosol(CLI::App& sub, SkyOptions& options) {
                    "Where the aerosol is: mixed evenly with the air, or in a layer below it")
         ->group(group)
         ->needs(depth)
-        ->transform(CLI::Transformer(std::map<std::string, AerosolPlace>{
+        ->transform(CLI::CheckedTransformer(std::map<std::string, AerosolPlace>{
             {"mixed", AerosolPlace::kMixed}, {"below", AerosolPlace::kBelow}}))
         ->default_str("mixed")
         ->option_text("mixed|below [mixed]");
@@ -198,6 +206,7 @@ void add_sky(CLI::App& app, const std::string& command_line) {
     sub->add_option("--height", options->height, "Rows: zenith angle 0 to 90 degrees")
         ->check(CLI::Range(1, 16384))
         ->capture_default_str();
+    sub->add_flag("--quiet", options->quiet, "No progress, no notes");
     sub->callback([options, command_line] { make(*options, command_line); });
     add_sky_info(*sky);
     add_sky_import(*sky, command_line);

@@ -74,6 +74,9 @@ SkyImport library_options(const ImportOptions& options) {
     import.conventions.s2 = options.s2_s3;
     import.conventions.s3 = options.s2_s3 * options.s3;
     if (options.mirror) import.half_dome = HalfDome::kMirrored;
+    if (!options.zenith_span_deg.empty() &&
+        options.zenith_span_deg[0] == options.zenith_span_deg[1])
+        throw Error("--zenith-span: both edges are the same; give two, e.g. 0,180");
     if (!options.zenith_span_deg.empty())
         import.zenith_span = {to_radians(options.zenith_span_deg[0]),
                               to_radians(options.zenith_span_deg[1])};

@@ -32,8 +32,8 @@ Layout layout_of(std::string header, const std::string& place) {
 }
 
 ScatteringElements checked(const ScatteringElements& F, const std::string& place) {
-    if (!(F.F11 > 0) || !std::isfinite(F.F11))
-        throw Error(place + ": F11 must be > 0; mend the table");
+    if (!(F.F11 > 1e-30 && F.F11 < 1e30))
+        throw Error(place + ": F11 must be > 0, and within 1e-30 to 1e30; mend the table");
     for (const auto& [name, x] : {std::pair{"F12", F.F12}, {"F22", F.F22}, {"F33", F.F33}})
         if (!(std::abs(x) <= F.F11 * (1 + 1e-6)))
             throw Error(place + ": |" + name +

@@ -33,9 +33,12 @@ std::vector<double> sun_irradiance(const std::string& text, const Sky& sky,
             throw Error(place + ": '" + one_line(entry, 40) + "' is not of the form 440nm:1.52");
         const double nm = number_in(std::string_view(entry).substr(0, colon), place);
         const double value = number_in(std::string_view(entry).substr(colon + 3), place);
-        if (!(value >= 0 && std::isfinite(value)))
-            throw Error(place + ": at " + to_text(nm) + " nm it must be finite and >= 0");
-        if (const auto w = find_wavelength(sky.wavelengths_nm, nm)) irradiance[*w] = value;
+        if (!(value >= 0 && value <= kMostIrradiance))
+            throw Error(place + ": at " + to_text(nm) + " nm it must be within 0 to 1e15");
+        const auto w = find_wavelength(sky.wavelengths_nm, nm);
+        if (w && irradiance[*w] >= 0)
+            throw Error(place + ": gives " + to_text(nm) + " nm twice; keep one");
+        if (w) irradiance[*w] = value;
     }
     for (std::size_t w = 0; w < irradiance.size(); ++w)
         if (irradiance[w] < 0)
@@ -54,10 +57,17 @@ double handedness(const Image& image, const std::string& file) {
 }
 
 void read_sun(const Image& image, Sky& sky, const std::string& file) {
+    for (const char* name : {"sunZenith", "sunAzimuth"})
+        if (image.attributes.contains(name) && !image.number(name))
+            throw Error(file + ": attribute " + name + " must be a float");
+    if (image.attributes.contains("sunIrradiance") && !image.text("sunIrradiance"))
+        throw Error(file + ": attribute sunIrradiance must be a string like 440nm:1.52;");
     const float* zenith = image.number("sunZenith");
     const float* azimuth = image.number("sunAzimuth");
     const std::string* irradiance = image.text("sunIrradiance");
-    if (!zenith || !azimuth) {
+    if ((zenith == nullptr) != (azimuth == nullptr))
+        throw Error(file + ": sunZenith and sunAzimuth belong together; add the other");
+    if (!zenith) {
         if (irradiance)
             throw Error(file + ": sunIrradiance without sunZenith and sunAzimuth; add them");
         return;
@@ -148,6 +158,13 @@ Sky read_sky(const fs::path& path) {
 
 void write_sky(const fs::path& path, const Sky& sky,
                const std::map<std::string, std::string>& attributes) {
+    for (std::size_t i = 0; i < sky.nodes.size(); ++i)
+        if (const std::string fault = fault_of(sky.nodes[i]); !fault.empty())
+            throw Error(
+                path.string() + ": not written: " +
+                to_text(sky.wavelengths_nm[i / (sky.zeniths.size() * sky.azimuths.size())]) +
+                " nm, node " + std::to_string(i % (sky.zeniths.size() * sky.azimuths.size())) +
+                ": " + fault);
     Image image;
     image.width = static_cast<int>(sky.azimuths.size());
     image.height = static_cast<int>(sky.zeniths.size());

@@ -12,8 +12,6 @@
 namespace malus {
 namespace {
 
-// Beyond this floats would overflow on the way to a picture, W m⁻² sr⁻¹ nm⁻¹. (The sun has 3e4.)
-constexpr double kBrightest = 1e20;
 constexpr double kSameAngle = 1e-6;  // degrees
 
 // The distinct values of a column, ascending; closer ones than `same` are one.

@@ -18,6 +18,11 @@ struct SkyRow {
     int line;
 };
 
+/// Beyond this floats would overflow on the way to a picture, W m⁻² sr⁻¹ nm⁻¹. (The sun has 3e4.)
+inline constexpr double kBrightest = 1e20;
+/// The same for the irradiance of the sun, W m⁻² nm⁻¹, whose disc is 7e-5 sr.
+inline constexpr double kMostIrradiance = 1e15;
+
 /// What keeps S from being light, e.g. "S0 = -1 is negative; mend the map"; empty when nothing does:
 /// finite, 0 ≤ S0 ≤ 1e20, |S| ≤ S0 but for the rounding of 32-bit floats.
 std::string fault_of(const Stokes<double>& S);

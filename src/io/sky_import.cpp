@@ -198,6 +198,10 @@ void declare_sun(Sky& sky, const SkyImport& options, const std::string& file) {
     sky.sun->irradiance.clear();
     for (double nm : sky.wavelengths_nm)
         sky.sun->irradiance.push_back(*value_at(options.sun_irradiance, nm));
+    for (double irradiance : sky.sun->irradiance)
+        if (!(irradiance >= 0 && irradiance <= kMostIrradiance))
+            throw Error("--sun-irradiance: " + to_text(irradiance) +
+                        " is not within 0 to 1e15 W m^-2 nm^-1");
 }
 
 Sky above_horizon(const Sky& map, const SkyConventions& conventions, const std::string& file) {

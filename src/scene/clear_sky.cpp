@@ -106,7 +106,7 @@ double rayleigh_depolarization(double wavelength_nm) {
 }
 
 Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm, int zeniths,
-                   int azimuths) {
+                   int azimuths, const std::function<void(double)>& progress) {
     Sky sky;
     sky.wavelengths_nm.assign(wavelengths_nm.begin(), wavelengths_nm.end());
     std::vector<double> mu, from_sun;
@@ -125,6 +125,9 @@ Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm
             light_at_ground(atmosphere(model, nm), std::cos(model.sun_zenith), mu, from_sun);
         for (const Stokes<double>& S : light.sky) sky.nodes.push_back(E0 * S);
         sky.sun->irradiance.push_back(E0 * light.direct);
+        if (progress)
+            progress(static_cast<double>(sky.sun->irradiance.size()) /
+                     static_cast<double>(wavelengths_nm.size()));
     }
     if (model.max_dolp) scale_polarization(sky.nodes, *model.max_dolp);
     return sky;

@@ -164,9 +164,10 @@ double scattered_back(double tau, double mu_out, double mu_in) {
     return -std::expm1(-tau / mu_out - tau / mu_in) * mu_in / (mu_out + mu_in);
 }
 double scattered_on(double tau, double mu_out, double mu_in) {
-    const double d = tau / mu_in - tau / mu_out;
-    const double slope = std::abs(d) < 1e-9 ? 1 : -std::expm1(-d) / d;
-    return tau / mu_out * std::exp(-tau / mu_out) * slope;
+    // By the shorter of both ways: the other's exponential may vanish.
+    const double in = tau / mu_in, out = tau / mu_out, d = std::abs(in - out);
+    const double slope = d < 1e-9 ? 1 : -std::expm1(-d) / d;
+    return out * std::exp(-std::min(in, out)) * slope;
 }
 
 // What homogeneous layers, one or more, do to one mode of light. Marked * below: to light that

@@ -1,4 +1,4 @@
-// radiative_transfer.h — polarized light below plane-parallel layers of air, all orders of scattering.
+// radiative_transfer.h — polarized light below and above plane-parallel layers of air, all orders.
 //
 //   μ dS/dτ = S − (ϖ/4π) ∫ Z(w,w') S(w') dw' − (ϖ/4π) Z(w,w0) E0 e^{−τ/μ0}
 //   Z = L(out) F(Θ) L(in): the matrix of scattering.h between the meridian frames of both beams

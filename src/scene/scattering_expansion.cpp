@@ -6,13 +6,16 @@
 #include <cmath>
 #include <utility>
 
+#include "malus/core/error.h"
 #include "malus/core/vec.h"
+#include "malus/optics/wavelengths.h"
 
 namespace malus {
 namespace {
 
 constexpr int kQuadratureNodes = 1000;
 constexpr double kNothing = 1e-13;
+constexpr double kMostMissed = 0.01;  // by which the light of a matrix may be off
 
 // P_l, d^l_{02}, d^l_{22} and d^l_{2,−2} at one angle, degree after degree.
 class SphericalFunctions {
@@ -90,6 +93,19 @@ ScatteringExpansion::ScatteringExpansion(const ScatteringMatrix& F, int degrees)
             d.next();
         }
     }
+    // What the quadrature misses of a sharp table must not be light that is lost.
+    const double norm = terms_[0].F11;
+    if (norm == 0) {  // nothing scatters
+        peak_ = 0;
+        terms_.resize(1);
+        return;
+    }
+    if (!(std::abs(norm - 1) < kMostMissed))
+        throw Error("the scattering matrix changes too fast with the angle to be integrated (" +
+                    to_text(std::round(1e4 * norm) / 1e2) +
+                    " % of its light found); leave out the peak narrower than about 0.2 degrees");
+    for (Term& term : terms_)
+        term = {term.F11 / norm, term.F12 / norm, term.plus / norm, term.minus / norm};
     peak_ = terms_.back().F11 / (2 * degrees + 1);
     if (std::abs(peak_) < kNothing) peak_ = 0;
     terms_.pop_back();

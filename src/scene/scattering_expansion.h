@@ -6,7 +6,8 @@
 //
 // Source  Hovenier & van der Mee, A&A 128, 1 (1983); recurrences: Varshalovich et al., Quantum
 //         Theory of Angular Momentum (1988), §4.8. The sign of d^l_{02} cancels.
-// Error   rounding, where F varies little over 0.2°.
+// Norm    brought to what the quadrature finds of it, so that no light is lost.
+// Error   rounding, where F varies little over 0.2°. Throws Error where 1 % and more are missed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// sky.cpp — a sky map made ready for interpolation and importance sampling.
+// sky.cpp — a sky map made ready for interpolation.
 // SPDX-License-Identifier: Apache-2.0
 #include "malus/scene/sky.h"
 

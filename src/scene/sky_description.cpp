@@ -186,7 +186,7 @@ std::optional<double> median_deviation(const std::vector<Patch>& list, const Sun
         all += weight;
         light += S.s0 * patch.solid_angle;
     }
-    constexpr double kLeastPolarized = 0.005;
+    constexpr double kLeastPolarized = 0.02;  // thick haze under a low sun has less
     if (all <= kLeastPolarized * light) return std::nullopt;
     std::sort(weighed.begin(), weighed.end());
     double sum = 0;

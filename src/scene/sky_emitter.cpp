@@ -133,20 +133,28 @@ SkyResampling compare(const EqualAreaSky& grid, const SkyDome& dome) {
     return change;
 }
 
-// The coarsest grid that will do, if any: from the finest down, until one is too coarse.
+// The coarsest grid that will do, if any: from the paint's own down, until one is too coarse; or, where
+// that will not do, from there up.
 std::optional<EqualAreaSky> choose_grid(const SkyDome& dome, const Irradiance& light,
                                         double sharpest_slope) {
-    std::optional<EqualAreaSky> chosen;
-    if (sharpest_slope / 3 < std::max(dome.spacing(), cell_width(kFinest))) return chosen;
-    const EqualAreaSky means(dome, cells_for(sharpest_slope / 3));
-    for (std::size_t cells = means.cells(); cells >= kCoarsest; cells /= 2) {
-        Candidate found = candidate(means, cells);
-        if (found.error >= SkyEmitter::kTolerance ||
-            difference(irradiance(found.values).level, light.level) >= SkyEmitter::kTolerance)
-            break;
-        chosen = std::move(found.values);
+    const double finest = std::max(dome.spacing(), cell_width(kFinest));
+    if (sharpest_slope / 3 < finest) return {};
+    const auto will_do = [&](const Candidate& found) {
+        return found.error < SkyEmitter::kTolerance &&
+               difference(irradiance(found.values).level, light.level) < SkyEmitter::kTolerance;
+    };
+    for (std::size_t start = cells_for(sharpest_slope / 3); start <= cells_for(finest);
+         start *= 2) {
+        const EqualAreaSky means(dome, start);
+        std::optional<EqualAreaSky> chosen;
+        for (std::size_t cells = start; cells >= kCoarsest; cells /= 2) {
+            Candidate found = candidate(means, cells);
+            if (!will_do(found)) break;
+            chosen = std::move(found.values);
+        }
+        if (chosen) return chosen;
     }
-    return chosen;
+    return {};
 }
 
 // The map's own cells, for a distribution as sharp as the map.

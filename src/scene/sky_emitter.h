@@ -2,9 +2,9 @@
 //
 // A map of any resolution is averaged onto an equal-area grid: the coarsest that keeps, to kTolerance of
 // S0, in S0 and in S1 to S3, the irradiance of level ground and the means under hats as wide as a third
-// of the least RMS slope σ (a lobe spreads a reflection over ±2σ) and never wider than 2.2°, for scenes
-// see parts of the sky past edges. Where no grid does, or σ/3 is finer than the map, the light is read
-// from the map itself.
+// of the least RMS slope σ (a lobe spreads a reflection over ±2σ) and never wider than 2.2°: scenes see
+// parts of the sky past edges. Where none does, finer ones are tried, to the map's own step. Where
+// none of them does, or σ/3 is finer than the map, the light is read from the map itself.
 // What a camera sees of the sky beside the scene is the map itself: dome().
 // Directions are drawn by S0, each wavelength weighing the same.
 // Frame   fixed_frame(w). Below the horizon the sky is black.

@@ -417,7 +417,7 @@ TEST_CASE("Skies: each shipped map is what the command in its header makes", "[c
     }
 }
 
-TEST_CASE("Sky make: aerosol dims the sun and the polarization; a low sun is said to be too low",
+TEST_CASE("Sky make: aerosol dims the sun and the polarization, a low sun is said to be too low",
           "[cli]") {
     const TempFolder folder;
     const std::string out = (folder / "sky.exr").string();
@@ -457,7 +457,10 @@ TEST_CASE("Sky make: aerosol dims the sun and the polarization; a low sun is sai
     CHECK_THAT(*read_exr(out).text("skyModel"),
                Contains("optical depth 0.25") && Contains("depolarization 0"));
 
+    CHECK_THAT(run(small + " --aerosol-depth 0.3 --aerosol-place sideways").err,
+               Contains("mixed") && Contains("below"));
     CHECK(run(small + " --sun-zenith 80").err.empty());
+    CHECK(run(small + " --sun-zenith 85 --quiet").err.empty());
     const Outcome low = run(small + " --sun-zenith 85");
     CHECK(low.exit_code == 0);
     CHECK(low.one_line());

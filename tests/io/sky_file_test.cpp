@@ -162,8 +162,12 @@ TEST_CASE("Sky EXR: a sun that cannot be is refused with what to mend") {
     check("sunZenith", 1e8f, "sunZenith must be within 0 to 180 degrees");
     check("sunZenith", NAN, "sunZenith must be");
     check("sunAzimuth", INFINITY, "sunAzimuth must be within");
-    check("sunIrradiance", std::string("550nm:inf;600nm:1;"), "at 550 nm it must be finite");
-    check("sunIrradiance", std::string("550nm:-1;600nm:1;"), ">= 0");
+    check("sunIrradiance", std::string("550nm:inf;600nm:1;"),
+          "at 550 nm it must be within 0 to 1e15");
+    check("sunIrradiance", std::string("550nm:-1;600nm:1;"), "must be within 0");
+    check("sunIrradiance", std::string("550nm:1;550nm:2;600nm:1;"), "gives 550 nm twice");
+    check("sunIrradiance", 1.5f, "must be a string");
+    check("sunZenith", 60, "must be a float");
     check("sunIrradiance", std::string("550nm:1;"), "says nothing of 600 nm");
     check("sunIrradiance", std::string("550:1;600nm:1;"), "not of the form");
     check("sunIrradiance", std::string("550nm:one;600nm:1;"), "'one' is not a number");

@@ -199,6 +199,44 @@ TEST_CASE("Transfer: a layer cut in two, and one that scatters nothing, change n
     CHECK(d.direct == near(std::exp(-(0.2 + 0.5) / 0.5), 1e-12));
 }
 
+TEST_CASE("Transfer: deep haze is finite and physical down to the horizon") {
+    // Slant depths of a thousand and more, where exponentials vanish; layers whose modes differ.
+    const Scatterer air{2, 1, rayleigh_matrix(0.03)};
+    const Scatterer haze{5, 0.96, henyey_greenstein_matrix(0.7, 0.45)};
+    const std::array<double, 3> mu{0.9, 0.01, 1e-4}, azimuths{0, 1, 3};
+    for (const auto& layers :
+         {std::vector<std::vector<Scatterer>>{{air, haze}}, {{air}, {haze}}, {{haze}, {air}}}) {
+        const GroundLight light = light_at_ground({layers, 0.3}, 0.5, mu, azimuths);
+        for (const Stokes<double>& S : light.sky) {
+            CHECK(S.s0 > 0);
+            CHECK(std::hypot(S.s1, S.s2) < S.s0);
+        }
+        // What a thick cloud sends down: even, within a factor of two of its mean.
+        const double mean = light.diffuse / kPi;
+        CHECK(light.sky[0].s0 / mean == Approx(1.2).epsilon(0.3));
+    }
+}
+
+TEST_CASE("Transfer: a table of a sharp peak loses no light, or is refused") {
+    // Half of the light within a Gaussian of σ = 0.3°, the rest even; conservative.
+    const auto peaked = [](double sigma_deg) {
+        std::vector<ScatteringRow> rows;
+        for (double a = 0; a < 180; a += a < 20 * sigma_deg ? sigma_deg / 4 : 5) {
+            const double F11 =
+                0.5 + std::exp(-0.5 * sqr(a / sigma_deg)) / sqr(to_radians(sigma_deg));
+            rows.push_back({to_radians(a), {F11, 0, F11, F11 * std::cos(to_radians(a))}});
+        }
+        rows.push_back({kPi, {0.5, 0, 0.5, -0.5}});
+        return tabulated_matrix(rows);
+    };
+    const double mu0 = 0.5;
+    const GroundLight light =
+        light_at_ground({{{{0.5, 1, peaked(0.3)}}}, 0}, mu0, std::array{0.9}, std::array{1.0});
+    CHECK(light.escaping + light.diffuse + mu0 * light.direct == near(mu0, 1e-6 * mu0));
+    CHECK_THROWS_WITH(light_at_ground({{{{0.5, 1, peaked(0.02)}}}, 0}, mu0, {}, {}),
+                      Catch::Contains("changes too fast"));
+}
+
 TEST_CASE("Sun: its light is that of ASTM G173, and dims by the depth of the air") {
     // G173-03 gives 1347.93 W/m² from 280 to 4000 nm, and these rows.
     double sum = 0;

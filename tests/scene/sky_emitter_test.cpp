@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "malus/core/frame.h"
+#include "malus/scene/clear_sky.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
 #include "support/statistics.h"
@@ -131,6 +132,23 @@ TEST_CASE("Sky emitter: a map of any resolution becomes what the surfaces can te
     // Sharper than a third of the map's step: the map itself.
     CHECK(resampled(64, 256, 0.01).cells == 0);
     CHECK(resampled(64, 256, 0.01).largest_s0 == 0);
+}
+
+TEST_CASE("Sky emitter: rough paint under a thin clear sky gets a grid, too") {
+    // Red light rises steeply toward the horizon: the coarsest grids do not hold it, finer ones do.
+    ClearSky model;
+    const std::vector<double> red{600};
+    for (double zenith : {30.0, 60.0, 80.0}) {
+        model.sun_zenith = to_radians(zenith);
+        for (int rows : {64, 180}) {
+            const SkyResampling found =
+                SkyEmitter(make_clear_sky(model, red, rows, 4 * rows), red, 0.7556).resampling();
+            CAPTURE(zenith, rows, found.cells);
+            CHECK(found.cells > 0);
+            CHECK(found.cells <= 256);
+            CHECK(found.rms_s0 < 5e-3);
+        }
+    }
 }
 
 TEST_CASE("Sky emitter: beside a spot at the horizon no grid will do") {

@@ -1,4 +1,4 @@
-// sky_test.cpp — frames, interpolation and importance sampling of sky maps.
+// sky_test.cpp — sky maps: frames, interpolation, and what clear ones look like.
 // SPDX-License-Identifier: Apache-2.0
 #include "malus/scene/sky.h"
 

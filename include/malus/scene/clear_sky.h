@@ -11,6 +11,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -28,7 +29,7 @@ struct Aerosol {
     double optical_depth_550 = 0;
     double angstrom_exponent = 1.3;
     double single_scattering_albedo = 0.96;
-    double asymmetry = 0.70, polarization = 0.45;  ///< of henyey_greenstein_matrix()
+    double asymmetry = 0.70, polarization = 0.45;  ///< of henyey_greenstein_matrix(); |g| ≤ 0.9
     ScatteringTable table;                         ///< stands in for it if not empty
     AerosolPlace place = AerosolPlace::kMixed;
 };
@@ -48,8 +49,9 @@ struct ClearSky {
 
 /// Sampled at zenith × azimuth pixel centres, with the sun's disc as it looks from the ground. Throws
 /// Error for a wavelength beyond the table of the sun, or of the aerosol's matrix.
+/// progress: called now and then with the share that is done.
 Sky make_clear_sky(const ClearSky& model, std::span<const double> wavelengths_nm, int zeniths,
-                   int azimuths);
+                   int azimuths, const std::function<void(double)>& progress = {});
 
 /// Of clean dry air (360 ppm CO2).
 double rayleigh_optical_depth(double wavelength_nm, double pressure_hpa = 1013.25);
