@@ -149,6 +149,13 @@ Sky from_csv(const fs::path& path) {
 
 }  // namespace
 
+bool is_csv(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return ending == ".csv";
+}
+
 Sky read_sky(const fs::path& path) {
     Sky sky = is_csv(path) ? from_csv(path) : from_exr(path);
     sky.source = path.string();

@@ -118,11 +118,4 @@ std::vector<std::string> gaps_in(const Sky& sky, const std::string& file) {
     return found;
 }
 
-bool is_csv(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    return ending == ".csv";
-}
-
 }  // namespace malus

@@ -45,7 +45,4 @@ Sky sky_from_rows(std::vector<SkyRow> rows, const std::string& file);
 /// What the map leaves out of the dome, one line each.
 std::vector<std::string> gaps_in(const Sky& sky, const std::string& file);
 
-/// By the file's ending, in capitals too.
-bool is_csv(const std::filesystem::path& path);
-
 }  // namespace malus

@@ -23,10 +23,6 @@ bool is_up(const Mark& mark) {
     return mark.zenith <= kPi / 2;
 }
 
-Stokes<double> in_meridian_frame(const SkyDome& dome, std::size_t wavelength, const Vec3& w) {
-    return turned(dome.radiance(w, wavelength), turn_between(fixed_frame(w), meridian_frame(w)));
-}
-
 void draw_ticks(Picture& picture, const DomeView& view) {
     for (int azimuth = 0; azimuth < 360; azimuth += 30) {
         const Point rim = place_of(view, kPi / 2, to_radians(azimuth));
@@ -118,7 +114,8 @@ Layers dome_layers(const SkyDome& dome, std::size_t wavelength, double wavelengt
     for (int y = 0; y < view.size; ++y)
         for (int x = 0; x < view.size; ++x) {
             const Point place{x + 0.5, y + 0.5};
-            const Stokes<double> S = in_meridian_frame(dome, wavelength, direction_at(view, place));
+            const Stokes<double> S =
+                dome.radiance_in(meridian_frame(direction_at(view, place)), wavelength);
             layers.s0.push_back(static_cast<float>(S.s0));
             layers.dolp.push_back(static_cast<float>(dolp(S)));
             layers.aolp_deg.push_back(static_cast<float>(to_degrees(aolp(S))));

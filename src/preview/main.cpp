@@ -181,13 +181,6 @@ void preview_sky(const Sky& sky, const Options& options) {
     save_sheet(dome_note(sky), rows, wavelengths_nm, options, to, font);
 }
 
-bool is_csv(const fs::path& path) {
-    const std::string ending = path.extension().string();
-    return ending.size() == 4 &&
-           std::equal(ending.begin(), ending.end(), ".csv",
-                      [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
-}
-
 bool is_sky(const Image& image) {
     const std::string* frame = image.text("stokesReferenceFrame");
     return frame && *frame == "meridian";

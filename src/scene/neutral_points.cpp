@@ -39,9 +39,8 @@ class Vertical {
   private:
     int sign_of_s1(double t) const {
         const Vec3 w = direction(t, azimuth_);
-        const BeamFrame in_plane{-w, direction(t + kPi / 2, azimuth_)};
         const Stokes<double> S =
-            turned(dome_.radiance(w, wavelength_), turn_between(fixed_frame(w), in_plane));
+            dome_.radiance_in({-w, direction(t + kPi / 2, azimuth_)}, wavelength_);
         return (S.s1 > kLeastDolp * S.s0) - (S.s1 < -kLeastDolp * S.s0);
     }
 

@@ -176,4 +176,9 @@ Stokes<double> SkyDome::radiance(const Vec3& w, std::size_t wavelength) const {
     return light_at(*this, locate(w), wavelength);
 }
 
+Stokes<double> SkyDome::radiance_in(const BeamFrame& frame, std::size_t wavelength) const {
+    const Vec3 w = -frame.k;
+    return turned(radiance(w, wavelength), turn_between(fixed_frame(w), frame));
+}
+
 }  // namespace malus

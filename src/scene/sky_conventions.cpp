@@ -127,13 +127,8 @@ Sky at_pixel_centres(const Sky& map, const MapSize& grid) {
     const SkyDome dome(map, map.wavelengths_nm);
     for (std::size_t w = 0; w < map.wavelengths_nm.size(); ++w)
         for (double z : picture.zeniths)
-            for (double a : picture.azimuths) {
-                const Vec3 at = direction(z, a);
-                picture.nodes.push_back(
-                    measured_in(Beam<double>{dome.radiance(at, w), fixed_frame(at)},
-                                meridian_frame(at))
-                        .stokes);
-            }
+            for (double a : picture.azimuths)
+                picture.nodes.push_back(dome.radiance_in(meridian_frame(direction(z, a)), w));
     return picture;
 }
 

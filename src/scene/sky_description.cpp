@@ -91,7 +91,7 @@ Stokes<double> in_vertical(const SkyDome& dome, std::size_t w, double sun_azimut
     const Vec3 toward = direction(kPi / 2, sun_azimuth);
     const Vec3 at = std::cos(t) * kUp + std::sin(t) * toward;
     const Vec3 axis = std::sin(t) * kUp - std::cos(t) * toward;
-    return measured_in(Beam<double>{dome.radiance(at, w), fixed_frame(at)}, {-at, axis}).stokes;
+    return dome.radiance_in({-at, axis}, w);
 }
 
 void describe_vertical(const Sky& sky, const SkyDome& dome, std::size_t w, SkyAtWavelength& light) {
@@ -119,9 +119,7 @@ struct Patch {
 };
 
 Stokes<double> in_meridian(const SkyDome& dome, std::size_t w, double zenith, double azimuth) {
-    const Vec3 at = direction(zenith, azimuth);
-    return measured_in(Beam<double>{dome.radiance(at, w), fixed_frame(at)}, meridian_frame(at))
-        .stokes;
+    return dome.radiance_in(meridian_frame(direction(zenith, azimuth)), w);
 }
 
 // Patches of 5° × 5° over what the map covers.

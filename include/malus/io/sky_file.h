@@ -15,7 +15,10 @@
 
 namespace malus {
 
-/// By the file's ending: .csv, else EXR. Throws Error for S0 < 0, |S| > S0, a gap in the grid, a
+/// Is the file a table, by its ending .csv, in capitals too?
+bool is_csv(const std::filesystem::path& path);
+
+/// From a table if is_csv(), else an EXR. Throws Error for S0 < 0, |S| > S0, a gap in the grid, a
 /// number that is not finite, naming row or pixel.
 Sky read_sky(const std::filesystem::path& path);
 

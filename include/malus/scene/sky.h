@@ -75,6 +75,8 @@ class SkyDome {
     }
     /// One wavelength of the light from w, in fixed_frame(w).
     Stokes<double> radiance(const Vec3& w, std::size_t wavelength) const;
+    /// The same in another frame of that beam, such as meridian_frame(w).
+    Stokes<double> radiance_in(const BeamFrame& frame, std::size_t wavelength) const;
 
     std::size_t wavelength_count() const { return wavelength_count_; }
     /// The map's finest step, rad: of zenith angle, or of azimuth at the horizon.
