@@ -99,6 +99,11 @@ void run_import(const ImportOptions& options, const std::string& command_line) {
     check_exr_name(options.output);
     check_writable(options.output);
     check_distinct(options.output, {options.input});
+    if (is_csv(options.input) && !options.zenith_span_deg.empty())
+        throw Error("--zenith-span: is for pictures; a table has its own zenith angles");
+    if (!is_csv(options.input) && options.import.wavelength_nm)
+        throw Error(
+            "--wavelength: is for tables; a picture has wavelengths in its channels' names");
     const Sky sky = import_sky(options.input, library_options(options));
     write_sky(options.output, sky,
               {{"skyModel", model_of(options, sky)},

@@ -556,6 +556,14 @@ TEST_CASE("Sky import: a table of another code becomes a map, and a wrong switch
     CHECK(wrong.exit_code == 0);
     CHECK_THAT(wrong.err, Contains("S2 reversed or azimuths the other way round the sun"));
     CHECK_THAT(run("sky info " + quoted(map)).out, Contains("doubt 550 nm: polarization is not"));
+    // Options of the other kind of file are not passed over.
+    const std::string again = (folder / "again.exr").string();
+    check_fails("sky import " + quoted(map) + " -o " + quoted(again) + " --wavelength 550", again,
+                {"--wavelength", "tables"});
+    check_fails("sky import " + quoted(csv) + " -o " + quoted(again) + " --zenith-span 0,90", again,
+                {"--zenith-span", "pictures"});
+    check_fails("sky import " + quoted(map) + " -o " + quoted(again) + " --zenith-span 40,40",
+                again, {"both edges are the same"});
 }
 
 TEST_CASE("Sky import: bad input and usage", "[cli]") {
