@@ -14,7 +14,7 @@
 //         & Tanaka, JQSRT 40, 51 (1988)).
 // Range   unpolarized sun, 0 < μ0 ≤ 1; curvature is left out: sun and view within about 82° of the
 //         zenith.
-// Error   air: 3e-8 of E0/π against Natraj, Li & Yung (2009), τ ≤ 0.25. Aerosol up to g = 0.9: 1e-5 of
+// Error   air: 3e-8 of E0/π against Natraj, Li & Yung (2009), τ ≤ 0.25. Aerosol up to g = 0.9: 2e-5 of
 //         I at the horizon, 1e-6 rms over the dome, against 64 nodes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
