@@ -266,7 +266,7 @@ Inputs read_inputs(const RenderOptions& options) {
 // The settings as they will be carried out.
 RenderSettings final_settings(const RenderOptions& options) {
     RenderSettings settings = options.settings;
-    settings.spp = whole_spp(settings.spp);
+    settings.spp = whole_spp(settings.spp, settings.replicates);
     if (settings.spp != options.settings.spp)
         warn(options, "--spp " + std::to_string(options.settings.spp) + " is taken as " +
                           std::to_string(settings.spp) + ", a multiple of the " +
@@ -303,7 +303,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     const RenderSettings settings = final_settings(options);
     const RenderResult result = render_with_progress(options, prepared, in.camera, settings);
     stats.render_s = seconds_since(start);
-    if (result.stopped)
+    if (result.stopped_by == StoppedBy::kRequest)
         throw Error(options.output + ": not written (stopped by a signal before it was finished)");
 
     stats.version = version();

@@ -14,20 +14,10 @@ enum Entry { k00, k01, k02, k11, k12, k22, k33 };
 // its spread. Kish's effective number m of replicates; 1 when all weigh the same, infinite below
 // m = 2.
 double widening(const PixelStokes& pixel) {
-    const double R = kReplicates;
+    const double R = static_cast<double>(pixel.replicates);
     const double spread = static_cast<double>(pixel.covariance[k00]) / sqr(pixel.mean.s0);
     const double m = R / (1 + (R - 1) * spread);
     return m < 2 ? HUGE_VAL : std::sqrt((R - 1) / R * m / (m - 1));
-}
-
-// A mean of light is light, but samples are floats, and |(S1,S2,S3)| may exceed S0 by some of their
-// roundings; so may what is stored in floats. What exceeds S0 by more is left for all to see.
-Stokes<double> held_physical(const Stokes<double>& S) {
-    constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
-    const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
-    if (polarized <= most || polarized > (1 + kRoundings) * S.s0) return S;
-    const double shrink = most / polarized;
-    return {S.s0, shrink * S.s1, shrink * S.s2, shrink * S.s3};
 }
 
 }  // namespace
@@ -77,89 +67,6 @@ Film::Film(int w, int h, std::vector<double> wavelengths)
     distance.resize(pixels);
     instance.resize(pixels, -1);
     samples.resize(pixels);
-}
-
-PixelAccumulator::PixelAccumulator(std::size_t wavelengths)
-    : wavelengths_(wavelengths), sum_(wavelengths) {}
-
-void PixelAccumulator::start_pixel() {
-    replicate_count_ = 0;
-    samples_ = seen_ = covered_ = votes_ = 0;
-    distance_sum_ = 0;
-    leader_ = -1;
-}
-
-void PixelAccumulator::start_replicate() {
-    std::fill(sum_.begin(), sum_.end(), Stokes<double>{});
-    in_replicate_ = 0;
-}
-
-bool PixelAccumulator::add(const float* S, std::size_t stride) {
-    // Finite numbers keep the sum of x − x at 0; NaN and infinity do not.
-    float finite = 0, least = 0;
-    for (std::size_t w = 0; w < wavelengths_; ++w) {
-        least = std::min(least, S[w]);
-        for (std::size_t c = 0; c < 4; ++c) finite += S[c * stride + w] - S[c * stride + w];
-    }
-    if (!(finite == 0) || least < 0) return false;
-    for (std::size_t w = 0; w < wavelengths_; ++w)
-        sum_[w] =
-            sum_[w] + Stokes<double>{static_cast<double>(S[w]), static_cast<double>(S[stride + w]),
-                                     static_cast<double>(S[2 * stride + w]),
-                                     static_cast<double>(S[3 * stride + w])};
-    ++in_replicate_;
-    return true;
-}
-
-void PixelAccumulator::add_surface(int instance, double distance) {
-    ++seen_, ++covered_;
-    distance_sum_ += distance;
-    vote(instance);
-}
-
-void PixelAccumulator::add_sky() {
-    ++seen_;
-    vote(-1);
-}
-
-void PixelAccumulator::vote(std::int32_t instance) {
-    if (votes_ == 0) leader_ = instance;
-    votes_ = instance == leader_ ? votes_ + 1 : votes_ - 1;
-}
-
-void PixelAccumulator::end_replicate() {
-    if (in_replicate_ == 0) return;  // all refused: no mean to take part
-    if (replicates_.size() == replicate_count_) replicates_.emplace_back(wavelengths_);
-    for (std::size_t w = 0; w < wavelengths_; ++w)
-        replicates_[replicate_count_][w] = (1.0 / in_replicate_) * sum_[w];
-    ++replicate_count_;
-    samples_ += in_replicate_;
-}
-
-void PixelAccumulator::develop(Film& film, std::size_t pixel) const {
-    film.samples[pixel] = samples_;
-    film.instance[pixel] = leader_;
-    film.coverage[pixel] = seen_ ? static_cast<float>(covered_) / static_cast<float>(seen_) : 0;
-    film.distance[pixel] = covered_ ? static_cast<float>(distance_sum_ / covered_) : 0;
-    if (replicate_count_ == 0) return;
-    const auto R = static_cast<double>(replicate_count_);
-    for (std::size_t w = 0; w < wavelengths_; ++w) {
-        PixelStokes& out = film.stokes[pixel * wavelengths_ + w];
-        out = {};
-        for (std::size_t r = 0; r < replicate_count_; ++r)
-            out.mean = out.mean + (1 / R) * replicates_[r][w];
-        std::array<double, 7> C{};
-        for (std::size_t r = 0; r < replicate_count_; ++r) {
-            const Stokes<double> d = replicates_[r][w] + -1.0 * out.mean;
-            const std::array<double, 7> products{d.s0 * d.s0, d.s0 * d.s1, d.s0 * d.s2, d.s1 * d.s1,
-                                                 d.s1 * d.s2, d.s2 * d.s2, d.s3 * d.s3};
-            for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
-        }
-        const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
-        for (std::size_t e = 0; e < C.size(); ++e)
-            out.covariance[e] = static_cast<float>(norm * C[e]);
-        out.mean = held_physical(out.mean);
-    }
 }
 
 }  // namespace malus

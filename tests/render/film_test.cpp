@@ -4,35 +4,45 @@
 
 #include <random>
 
+#include "malus/render/render.h"
+
 #include "support/catch.h"
 
 using namespace malus;
 
 namespace {
 
-// Adds one sample of one wavelength.
-bool add(PixelAccumulator& pixel, float s0, float s1, float s2, float s3) {
-    const float S[4] = {s0, s1, s2, s3};
-    return pixel.add(S, 1);
-}
+// One pixel at one wavelength.
+struct OnePixel {
+    Exposure exposure;
+    PixelExposure pixel;
+    Film film{1, 1, {550}};
+
+    explicit OnePixel(std::uint32_t replicates)
+        : exposure(1, 1, {550}, replicates), pixel(exposure) {}
+    bool add(std::uint32_t replicate, float s0, float s1, float s2, float s3) {
+        const float S[4] = {s0, s1, s2, s3};
+        return pixel.add(replicate, S, 1);
+    }
+    const PixelStokes& develop() {
+        pixel.develop(film, 0);
+        return film.at(0, 0);
+    }
+};
 
 }  // namespace
 
 TEST_CASE("Film: mean and covariance of the mean over replicates") {
     // Replicate means (1,0,0,0), (3,1,0,0), (2,2,3,0): by hand, mean (2,1,1,0), squares of the
     // deviations summed over R(R−1) = 6.
-    PixelAccumulator pixel(1);
-    Film film(1, 1, {550});
-    pixel.start_pixel();
+    OnePixel one(3);
     const float means[3][3] = {{1, 0, 0}, {3, 1, 0}, {2, 2, 3}};
-    for (const auto& m : means) {
-        pixel.start_replicate();
-        add(pixel, m[0] - 0.5f, m[1], m[2], 0);
-        add(pixel, m[0] + 0.5f, m[1], m[2], 0);
-        pixel.end_replicate();
+    for (float off : {-0.5f, 0.5f}) {
+        for (std::uint32_t r = 0; r < 3; ++r)
+            one.add(r, means[r][0] + off, means[r][1], means[r][2], 0);
+        one.pixel.end_sample();
     }
-    pixel.develop(film, 0);
-    const PixelStokes& p = film.at(0, 0);
+    const PixelStokes& p = one.develop();
     CHECK(p.mean.s0 == Approx(2));
     CHECK(p.mean.s1 == Approx(1));
     CHECK(p.mean.s2 == Approx(1));
@@ -42,50 +52,39 @@ TEST_CASE("Film: mean and covariance of the mean over replicates") {
     CHECK(p.covariance[3] == Approx(2.0 / 6));      // 11
     CHECK(p.covariance[4] == Approx(3.0 / 6));      // 12: 1 + 0 + 1·2
     CHECK(p.covariance[5] == Approx(6.0 / 6));      // 22: 1 + 1 + 4
-    CHECK(film.samples[0] == 6);
+    CHECK(p.replicates == 3);
+    CHECK(one.film.samples[0] == 6);
 }
 
 TEST_CASE("Film: samples that are not finite or negative are refused and leave no trace") {
-    PixelAccumulator pixel(1);
-    pixel.start_pixel();
-    pixel.start_replicate();
-    CHECK(add(pixel, 1, 0.5f, 0, 0));
-    CHECK_FALSE(add(pixel, NAN, 0, 0, 0));
-    CHECK_FALSE(add(pixel, 1, INFINITY, 0, 0));
-    CHECK_FALSE(add(pixel, 1, 0, 0, -NAN));
-    CHECK_FALSE(add(pixel, -1e-6f, 0, 0, 0));
-    CHECK(add(pixel, 3, 0.5f, 0, 0));
-    pixel.end_replicate();
-    pixel.start_replicate();
-    CHECK_FALSE(add(pixel, NAN, 0, 0, 0));
-    pixel.end_replicate();  // nothing kept: takes no part
-    Film film(1, 1, {550});
-    pixel.develop(film, 0);
-    CHECK(film.at(0, 0).mean.s0 == Approx(2));
-    CHECK(film.at(0, 0).mean.s1 == Approx(0.5));
-    CHECK(film.samples[0] == 2);
+    OnePixel one(2);
+    CHECK(one.add(0, 1, 0.5f, 0, 0));
+    CHECK_FALSE(one.add(0, NAN, 0, 0, 0));
+    CHECK_FALSE(one.add(0, 1, INFINITY, 0, 0));
+    CHECK_FALSE(one.add(0, 1, 0, 0, -NAN));
+    CHECK_FALSE(one.add(0, -1e-6f, 0, 0, 0));
+    CHECK_FALSE(one.add(0, 3e38f, 0, 0, 0));  // two of them would overflow
+    CHECK(one.add(0, 3, 0.5f, 0, 0));
+    CHECK_FALSE(one.add(1, NAN, 0, 0, 0));  // nothing kept: takes no part
+    CHECK(one.develop().mean.s0 == Approx(2));
+    CHECK(one.film.at(0, 0).mean.s1 == Approx(0.5));
+    CHECK(one.film.at(0, 0).replicates == 1);
+    CHECK(one.film.samples[0] == 2);
 }
 
 TEST_CASE("Film: rounding never makes light more than fully polarized, and hides nothing larger") {
     // DoP = 1 in float components, whose norms round to either side of S0, at all brightnesses.
-    PixelAccumulator pixel(1);
-    Film film(1, 1, {550});
-    const auto developed = [&](float s0, float s1, float s2, float s3) {
-        pixel.start_pixel();
-        for (int r = 0; r < 8; ++r) {
-            pixel.start_replicate();
-            REQUIRE(add(pixel, s0, s1, s2, s3));
-            pixel.end_replicate();
-        }
-        pixel.develop(film, 0);
-        return film.at(0, 0).mean;
+    const auto developed = [](float s0, float s1, float s2, float s3) {
+        OnePixel one(8);
+        for (std::uint32_t r = 0; r < 8; ++r) REQUIRE(one.add(r, s0, s1, s2, s3));
+        return one.develop().mean;
     };
     std::mt19937_64 engine(11);
     std::normal_distribution<double> normal;
     int over = 0;
     for (int i = 0; i < 2000; ++i) {
         const double x = normal(engine), y = normal(engine), z = normal(engine);
-        const double s0 = std::exp(20 * normal(engine)), r = s0 / std::hypot(x, y, z);
+        const double s0 = std::exp(15 * normal(engine)), r = s0 / std::hypot(x, y, z);
         const auto f = [](double v) { return static_cast<float>(v); };
         over += std::hypot(double{f(r * x)}, double{f(r * y)}, double{f(r * z)}) > double{f(s0)};
         const Stokes<double> S = developed(f(s0), f(r * x), f(r * y), f(r * z));
@@ -99,28 +98,83 @@ TEST_CASE("Film: rounding never makes light more than fully polarized, and hides
 }
 
 TEST_CASE("Film: the id of a pixel is what most of its samples met") {
-    PixelAccumulator pixel(1);
-    Film film(1, 1, {550});
-    pixel.start_pixel();
-    pixel.start_replicate();
+    OnePixel one(4);
     for (int i = 0; i < 3; ++i) {
-        add(pixel, 1, 0, 0, 0);
-        pixel.add_surface(7, 2);
-        add(pixel, 1, 0, 0, 0);
-        pixel.add_surface(3, 4);
-        add(pixel, 1, 0, 0, 0);
-        pixel.add_surface(7, 3);
-        add(pixel, 1, 0, 0, 0);
+        one.pixel.add_surface(7, 2);
+        one.pixel.add_surface(3, 4);
+        one.pixel.add_surface(7, 3);
         if (i == 0)
-            pixel.add_sky();
+            one.pixel.add_sky();
         else
-            pixel.add_surface(7, 3);
+            one.pixel.add_surface(7, 3);
+        for (std::uint32_t r = 0; r < 4; ++r) one.add(r, 1, 0, 0, 0);
+        one.pixel.end_sample();
     }
-    pixel.end_replicate();
-    pixel.develop(film, 0);
-    CHECK(film.instance[0] == 7);
-    CHECK(film.coverage[0] == Approx(11.0 / 12));
-    CHECK(film.distance[0] == Approx((3 * (2 + 4 + 3) + 2 * 3) / 11.0));
+    one.develop();
+    CHECK(one.film.instance[0] == 7);
+    CHECK(one.film.coverage[0] == Approx(11.0 / 12));
+    CHECK(one.film.distance[0] == Approx((3 * (2 + 4 + 3) + 2 * 3) / 11.0));
+}
+
+TEST_CASE("Exposure: checkpoints are each sample up to 64, then 32 in a doubling") {
+    for (std::uint32_t n = 0; n <= 64; ++n) CHECK(checkpoint(n) == n);
+    CHECK(checkpoint(65) == 66);
+    CHECK(checkpoint(127) == 128);
+    CHECK(checkpoint(129) == 132);
+    CHECK(checkpoint(1025) == 1056);
+    CHECK(checkpoint((1u << 20) + 1) == (1u << 20) + (1u << 15));
+    CHECK(whole_spp(1) == 8);
+    CHECK(whole_spp(1000) == 1008);  // 125 of each replicate, 126 with 8 of them
+    CHECK(whole_spp(100, 32) == 128);
+}
+
+TEST_CASE("Exposure: the sums of a million samples are good to 2e-6") {
+    // A constant whose roundings all go one way, and numbers that spread; sums of doubles beside.
+    OnePixel one(2);
+    std::mt19937_64 engine(3);
+    std::exponential_distribution<double> spread;
+    double sum = 0;
+    constexpr std::uint32_t kSamples = 1u << 20;
+    for (std::uint32_t n = 0; n < kSamples; ++n) {
+        const auto x = static_cast<float>(spread(engine));
+        sum += static_cast<double>(x);
+        one.add(0, 1.1f, 0, 0, 0);
+        one.add(1, x, 0, 0, 0);
+        one.pixel.end_sample();
+    }
+    one.pixel.store(one.exposure, 0);
+    CHECK(double{one.exposure.stokes[0]} / kSamples == Approx(double{1.1f}).epsilon(2e-6));
+    CHECK(double{one.exposure.stokes[4]} == Approx(sum).epsilon(2e-6));
+}
+
+TEST_CASE("Exposure: a pixel that is put away at any checkpoint goes on as if it had not been") {
+    std::mt19937_64 engine(8);
+    std::exponential_distribution<float> spread;
+    OnePixel whole(2), paused(2);
+    for (std::uint32_t n = 0; n < 1000; ++n) {
+        for (std::uint32_t r = 0; r < 2; ++r) {
+            const float x = spread(engine), y = spread(engine);
+            whole.add(r, x + y, x, y, 0);
+            paused.add(r, x + y, x, y, 0);
+            if (x > y) {
+                whole.pixel.add_surface(static_cast<int>(3 * x), double{y});
+                paused.pixel.add_surface(static_cast<int>(3 * x), double{y});
+            }
+        }
+        whole.pixel.end_sample();
+        paused.pixel.end_sample();
+        if (paused.pixel.taken() != checkpoint(paused.pixel.taken())) continue;
+        paused.pixel.store(paused.exposure, 0);
+        paused.pixel = PixelExposure(paused.exposure);
+        paused.pixel.load(paused.exposure, 0);
+    }
+    const PixelStokes &a = whole.develop(), &b = paused.develop();
+    CHECK(a.mean.s0 == b.mean.s0);
+    CHECK(a.mean.s2 == b.mean.s2);
+    CHECK(a.covariance == b.covariance);
+    CHECK(whole.film.distance == paused.film.distance);
+    CHECK(whole.film.instance == paused.film.instance);
+    CHECK(whole.film.coverage == paused.film.coverage);
 }
 
 TEST_CASE("Error bars: DoLP and AoLP spread as their formulas say", "[statistical]") {
@@ -177,18 +231,12 @@ TEST_CASE("Error bars: limits at no light and no polarization") {
 
 TEST_CASE("Error bars: light from one replicate alone is not known, however alike its numbers") {
     // Replicates (8,4,0,0), 0, …: DoLP 0.5 in the only one that has light.
-    PixelAccumulator pixel(1);
-    Film film(1, 1, {550});
-    pixel.start_pixel();
-    for (int r = 0; r < 8; ++r) {
-        pixel.start_replicate();
-        add(pixel, r == 0 ? 8.f : 0.f, r == 0 ? 4.f : 0.f, 0, 0);
-        pixel.end_replicate();
-    }
-    pixel.develop(film, 0);
-    CHECK(dolp(film.at(0, 0).mean) == Approx(0.5));
-    CHECK(stderr_dolp(film.at(0, 0)) == 1);
-    CHECK(stderr_aolp(film.at(0, 0)) == Approx(kPi / 2));
+    OnePixel one(8);
+    for (std::uint32_t r = 0; r < 8; ++r) one.add(r, r == 0 ? 8.f : 0.f, r == 0 ? 4.f : 0.f, 0, 0);
+    const PixelStokes& pixel = one.develop();
+    CHECK(dolp(pixel.mean) == Approx(0.5));
+    CHECK(stderr_dolp(pixel) == 1);
+    CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
 }
 
 TEST_CASE("Error bars: few replicates that carry the light widen them by Kish's number") {

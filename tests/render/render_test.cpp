@@ -301,6 +301,7 @@ TEST_CASE("Stopping: a render told to stop says so and does not finish") {
     std::atomic<bool> stop{true};
     settings.stop = &stop;
     const RenderResult result = render(scene, scene.scene().cameras.at(0), settings);
-    CHECK(result.stopped);
+    CHECK(result.stopped_by == StoppedBy::kRequest);
+    CHECK_FALSE(result.complete());
     CHECK(result.paths == 0);
 }

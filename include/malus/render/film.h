@@ -20,15 +20,17 @@
 
 namespace malus {
 
+/// Independent scrambles a pixel, whose spread is the error bar, unless the settings say otherwise.
+inline constexpr std::uint32_t kReplicates = 8;
+
 /// One wavelength of one pixel.
 struct PixelStokes {
     Stokes<double> mean;
     /// Of the mean: C00, C01, C02, C11, C12, C22, C33.
     std::array<float, 7> covariance{};
+    /// R. In a mean over pictures with N samples each, (ΣN)²/Σ(N²/R).
+    float replicates = kReplicates;
 };
-
-/// Independent scrambles a pixel: their spread is the error bar.
-inline constexpr std::uint32_t kReplicates = 8;
 
 /// Standard errors of a pixel's DoLP and AoLP (rad); 1 and π/2 where nothing is known, since all
 /// light came from one replicate, whose spread nobody saw. Without light DoLP is 0 for certain.
@@ -39,12 +41,6 @@ double stderr_aolp(const PixelStokes& pixel);
 /// asymptotic (MAS) estimate of Plaszczynski et al., in [0, 1]. Of finished pixels only: a mean of
 /// several is the DoLP of their mean Stokes vector.
 double debiased_dolp(const PixelStokes& pixel);
-
-/// A sample that was kept out because it was not finite or had S0 < 0.
-struct RefusedSample {
-    int x, y;
-    std::uint32_t replicate, sample;
-};
 
 struct Film {
     int width = 0, height = 0;
@@ -62,38 +58,6 @@ struct Film {
     const PixelStokes& at(std::size_t pixel, std::size_t wavelength) const {
         return stokes[pixel * wavelengths_nm.size() + wavelength];
     }
-};
-
-/// Gathers the samples of one pixel, replicate by replicate, and develops them into the film.
-class PixelAccumulator {
-  public:
-    explicit PixelAccumulator(std::size_t wavelengths);
-
-    void start_pixel();
-    void start_replicate();
-    /// `S`: components by rows of `stride` floats, wavelength innermost. False, and nothing is
-    /// added, when a number is not finite or an S0 negative.
-    bool add(const float* S, std::size_t stride);
-    void add_surface(int instance, double distance);  ///< of a sample that met a surface
-    void add_sky();                                   ///< of a sample that did not
-    void end_replicate();
-    /// Mean and covariance over the replicates. What rounding put above |(S1,S2,S3)| = S0 is taken
-    /// back, so that it holds also when stored as floats.
-    void develop(Film& film, std::size_t pixel) const;
-
-  private:
-    std::size_t wavelengths_;
-    std::vector<Stokes<double>> sum_;                      // of this replicate
-    std::vector<std::vector<Stokes<double>>> replicates_;  // their means, [replicate][wavelength]
-    std::size_t replicate_count_ = 0;
-    std::uint32_t in_replicate_ = 0, samples_ = 0;
-    std::uint32_t seen_ = 0, covered_ = 0;
-    double distance_sum_ = 0;
-    // The instance seen most, by Boyer and Moore's majority vote (1981): exact for a majority.
-    std::int32_t leader_ = -1;
-    std::uint32_t votes_ = 0;
-
-    void vote(std::int32_t instance);
 };
 
 }  // namespace malus

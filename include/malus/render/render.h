@@ -1,7 +1,12 @@
 // render.h — from a scene under a sky to a film.
 //
 // A PreparedScene is built once and shared by any number of renders (other cameras, seeds, sizes).
-// A film depends on the scene, the camera and the settings alone, not on the number of threads.
+// A film depends on the scene, the camera and the settings alone, not on the number of threads;
+// under a time limit, how many samples a pixel gets depends on the machine, too.
+//
+// Adaptive  with a target error or a time limit, samples go where the error is. The error of a pixel
+//           is the larger of SE(DoLP) and SE(S0)/S0, at the wavelength where it is largest, and the
+//           target is met when 95 % of the pixels that show a surface are at or below it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +15,7 @@
 #include <functional>
 #include <memory>
 
+#include "malus/render/exposure.h"
 #include "malus/render/film.h"
 #include "malus/scene/camera.h"
 #include "malus/scene/material.h"
@@ -23,8 +29,11 @@ enum class Lighting { kBoth, kLightSamples, kSurfaceSamples };
 
 struct RenderSettings {
     int width = 512, height = 512;  ///< pixels
-    std::uint32_t spp = 64;         ///< samples a pixel; rounded up to a multiple of kReplicates
-    int max_depth = 2;              ///< surface reflections on a path, ≥ 1
+    std::uint32_t spp = 64;         ///< samples a pixel (adaptive: at most); rounded by whole_spp()
+    std::uint32_t replicates = kReplicates;  ///< independent scrambles a pixel, ≥ 2
+    double target_error = 0;                 ///< of DoLP, and of S0 relative to it; 0: none
+    double time_limit_s = 0;                 ///< of render(), seconds; 0: none
+    int max_depth = 2;                       ///< surface reflections on a path, ≥ 1
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has
     Lighting lighting = Lighting::kBoth;
@@ -33,9 +42,10 @@ struct RenderSettings {
     const std::atomic<bool>* stop = nullptr;  ///< set it to end the render early
 };
 
-/// Samples a pixel rounded up to the same number in each replicate.
-constexpr std::uint32_t whole_spp(std::uint32_t spp) {
-    return (spp + kReplicates - 1) / kReplicates * kReplicates;
+/// Samples a pixel rounded up to the same number in each replicate, and that to a checkpoint
+/// (exposure.h): to a multiple of R, beyond 64 R to one of R/32 of the power of two below.
+constexpr std::uint32_t whole_spp(std::uint32_t spp, std::uint32_t replicates = kReplicates) {
+    return checkpoint((spp + replicates - 1) / replicates) * replicates;
 }
 
 /// A scene ready to be traced: geometry sorted, paints and sky at the wavelengths of the render.
@@ -60,16 +70,32 @@ class PreparedScene {
     std::unique_ptr<Impl> impl_;
 };
 
+/// What ended a render: its samples, an error small enough, the clock, or RenderSettings::stop.
+enum class StoppedBy { kSamples, kTargetError, kTimeLimit, kRequest };
+
+/// A sample that was kept out because it was not finite or had S0 < 0.
+struct RefusedSample {
+    int x, y;
+    std::uint32_t replicate, sample;
+};
+
 struct RenderResult {
     Film film;
-    bool stopped = false;  ///< ended early: pixels not reached have 0 samples
+    Exposure exposure;  ///< what to go on from
+    StoppedBy stopped_by = StoppedBy::kSamples;
+    // Of this call:
     std::uint64_t paths = 0, rays = 0;
     std::uint64_t refused = 0;
     std::vector<RefusedSample> first_refused;  ///< at most kMostReported, in order of pixels
     static constexpr std::size_t kMostReported = 16;
+
+    /// False when stopped on request before each pixel had its first samples.
+    bool complete() const;
 };
 
+/// Goes on from `begun`, which must come from the same scene, camera, size, seed and replicates, as
+/// if that render had never stopped. Throws Error when size, wavelengths or replicates differ.
 RenderResult render(const PreparedScene& scene, const Camera& camera,
-                    const RenderSettings& settings);
+                    const RenderSettings& settings, Exposure begun = {});
 
 }  // namespace malus

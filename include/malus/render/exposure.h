@@ -1,0 +1,89 @@
+// exposure.h — what a film is developed from: per pixel and replicate the sums of its samples.
+//
+// A render can go on from an exposure as if it had never stopped: sample n of a replicate is a
+// function of (seed, pixel, replicate, n) alone, and sums are rounded to floats at checkpoints that
+// depend on n alone, wherever a render stops.
+//
+// Memory  16 bytes per pixel, wavelength and replicate.
+// Range   sums are good to 2e-6 of themselves at any number of samples: between the 32 checkpoints
+//         of each doubling they are doubles, and before 64 samples each sample is one.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "malus/render/film.h"
+
+namespace malus {
+
+/// Samples of a replicate from one checkpoint to the next.
+constexpr std::uint32_t checkpoint_step(std::uint32_t samples) {
+    return samples < 64 ? 1 : std::bit_floor(samples) / 32;
+}
+
+/// The first checkpoint at or after `samples`.
+constexpr std::uint32_t checkpoint(std::uint32_t samples) {
+    const std::uint32_t step = checkpoint_step(samples);
+    return (samples + step - 1) / step * step;
+}
+
+struct Exposure {
+    int width = 0, height = 0;
+    std::uint32_t replicates = 0;
+    std::vector<double> wavelengths_nm;
+    std::vector<float> stokes;           ///< [pixel][replicate][S0..S3][wavelength] sums
+    std::vector<std::uint32_t> kept;     ///< [pixel][replicate] samples in the sums
+    std::vector<std::uint32_t> taken;    ///< [pixel] samples of each replicate, refused ones too
+    std::vector<std::uint32_t> wanted;   ///< [pixel] what the round under way brings `taken` to
+    std::vector<std::uint32_t> covered;  ///< [pixel] samples that met a surface
+    std::vector<float> distance;         ///< [pixel] sum of their distances, m
+    std::vector<std::int32_t> instance;  ///< [pixel] leader of the vote for what is seen most
+    std::vector<std::uint32_t> votes;    ///< [pixel] its lead
+
+    Exposure() = default;
+    Exposure(int width, int height, std::vector<double> wavelengths_nm, std::uint32_t replicates);
+
+    std::size_t pixel_count() const { return taken.size(); }
+    /// Floats of `stokes` that belong to one replicate of one pixel.
+    std::size_t replicate_stride() const { return 4 * wavelengths_nm.size(); }
+};
+
+/// One pixel under exposure: sums in double, samples added one after the other.
+class PixelExposure {
+  public:
+    explicit PixelExposure(const Exposure& exposure);
+
+    void load(const Exposure& exposure, std::size_t pixel);
+    /// At a checkpoint only, or numbers would depend on where a render stopped.
+    void store(Exposure& exposure, std::size_t pixel) const;
+
+    /// `S`: components by rows of `stride` floats, wavelength innermost. False, and nothing is
+    /// added, when a number is not finite (or beyond 1e30) or an S0 negative.
+    bool add(std::uint32_t replicate, const float* S, std::size_t stride);
+    void add_surface(int instance, double distance);  ///< of a sample that met a surface
+    void add_sky();                                   ///< of a sample that did not
+    /// After one sample of each replicate.
+    void end_sample();
+
+    std::uint32_t taken() const { return taken_; }
+    /// Mean and covariance over the replicates. What rounding put above |(S1,S2,S3)| = S0 is taken
+    /// back, so that it holds also when stored as floats.
+    void develop(Film& film, std::size_t pixel) const;
+
+  private:
+    std::size_t wavelengths_, replicates_;
+    std::vector<double> sums_;  // [replicate][S0..S3][wavelength]
+    std::vector<std::uint32_t> kept_;
+    std::uint32_t taken_ = 0, covered_ = 0;
+    double distance_ = 0;
+    // The instance seen most, by Boyer and Moore's majority vote (1981): exact for a majority.
+    std::int32_t leader_ = -1;
+    std::uint32_t votes_ = 0;
+
+    void vote(std::int32_t instance);
+    Stokes<double> replicate_mean(std::size_t replicate, std::size_t wavelength) const;
+};
+
+}  // namespace malus

@@ -1,0 +1,148 @@
+// exposure.cpp — sums of samples, and their development into means and covariances.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/render/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "malus/core/contract.h"
+
+namespace malus {
+namespace {
+
+// A mean of light is light, but samples are floats, and |(S1,S2,S3)| may exceed S0 by some of their
+// roundings; so may what is stored in floats. What exceeds S0 by more is left for all to see.
+Stokes<double> held_physical(const Stokes<double>& S) {
+    constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
+    const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
+    if (polarized <= most || polarized > (1 + kRoundings) * S.s0) return S;
+    const double shrink = most / polarized;
+    return {S.s0, shrink * S.s1, shrink * S.s2, shrink * S.s3};
+}
+
+double rounded(double x) {
+    return static_cast<double>(static_cast<float>(x));
+}
+
+}  // namespace
+
+Exposure::Exposure(int w, int h, std::vector<double> wavelengths, std::uint32_t replicate_count)
+    : width(w), height(h), replicates(replicate_count), wavelengths_nm(std::move(wavelengths)) {
+    const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+    stokes.resize(pixels * replicates * replicate_stride());
+    kept.resize(pixels * replicates);
+    taken.resize(pixels);
+    wanted.resize(pixels);
+    covered.resize(pixels);
+    distance.resize(pixels);
+    instance.resize(pixels, -1);
+    votes.resize(pixels);
+}
+
+PixelExposure::PixelExposure(const Exposure& exposure)
+    : wavelengths_(exposure.wavelengths_nm.size()),
+      replicates_(exposure.replicates),
+      sums_(replicates_ * exposure.replicate_stride()),
+      kept_(replicates_) {}
+
+void PixelExposure::load(const Exposure& exposure, std::size_t pixel) {
+    const float* sums = exposure.stokes.data() + pixel * sums_.size();
+    std::copy(sums, sums + sums_.size(), sums_.begin());
+    const std::uint32_t* kept = exposure.kept.data() + pixel * replicates_;
+    std::copy(kept, kept + replicates_, kept_.begin());
+    taken_ = exposure.taken[pixel];
+    covered_ = exposure.covered[pixel];
+    distance_ = static_cast<double>(exposure.distance[pixel]);
+    leader_ = exposure.instance[pixel];
+    votes_ = exposure.votes[pixel];
+}
+
+void PixelExposure::store(Exposure& exposure, std::size_t pixel) const {
+    EXPECT(taken_ == checkpoint(taken_));
+    float* sums = exposure.stokes.data() + pixel * sums_.size();
+    std::transform(sums_.begin(), sums_.end(), sums,
+                   [](double x) { return static_cast<float>(x); });
+    std::copy(kept_.begin(), kept_.end(), exposure.kept.data() + pixel * replicates_);
+    exposure.taken[pixel] = taken_;
+    exposure.covered[pixel] = covered_;
+    exposure.distance[pixel] = static_cast<float>(distance_);
+    exposure.instance[pixel] = leader_;
+    exposure.votes[pixel] = votes_;
+}
+
+bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t stride) {
+    // Far above any radiance and far below where sums overflow. NaN compares as false.
+    constexpr float kMost = 1e30f;
+    bool fit = true;
+    for (std::size_t w = 0; w < wavelengths_; ++w) fit &= S[w] >= 0;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t w = 0; w < wavelengths_; ++w) fit &= std::abs(S[c * stride + w]) < kMost;
+    if (!fit) return false;
+    double* sums = sums_.data() + replicate * 4 * wavelengths_;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t w = 0; w < wavelengths_; ++w)
+            sums[c * wavelengths_ + w] += static_cast<double>(S[c * stride + w]);
+    ++kept_[replicate];
+    return true;
+}
+
+void PixelExposure::add_surface(int instance, double distance) {
+    ++covered_;
+    distance_ += distance;
+    vote(instance);
+}
+
+void PixelExposure::add_sky() {
+    vote(-1);
+}
+
+void PixelExposure::vote(std::int32_t instance) {
+    if (votes_ == 0) leader_ = instance;
+    votes_ = instance == leader_ ? votes_ + 1 : votes_ - 1;
+}
+
+void PixelExposure::end_sample() {
+    ++taken_;
+    if (taken_ != checkpoint(taken_)) return;
+    for (double& sum : sums_) sum = rounded(sum);
+    distance_ = rounded(distance_);
+}
+
+Stokes<double> PixelExposure::replicate_mean(std::size_t replicate, std::size_t wavelength) const {
+    const double* sums = sums_.data() + replicate * 4 * wavelengths_ + wavelength;
+    return (1.0 / kept_[replicate]) * Stokes<double>{sums[0], sums[wavelengths_],
+                                                     sums[2 * wavelengths_],
+                                                     sums[3 * wavelengths_]};
+}
+
+void PixelExposure::develop(Film& film, std::size_t pixel) const {
+    const double seen = static_cast<double>(taken_) * static_cast<double>(replicates_);
+    film.instance[pixel] = leader_;
+    film.coverage[pixel] = taken_ ? static_cast<float>(covered_ / seen) : 0;
+    film.distance[pixel] = covered_ ? static_cast<float>(distance_ / covered_) : 0;
+    film.samples[pixel] = 0;
+    double R = 0;  // a replicate of which all samples were refused has no mean to take part
+    for (std::uint32_t kept : kept_) film.samples[pixel] += kept, R += kept > 0;
+    if (R == 0) return;
+    for (std::size_t w = 0; w < wavelengths_; ++w) {
+        PixelStokes& out = film.stokes[pixel * wavelengths_ + w];
+        out = {};
+        out.replicates = static_cast<float>(R);
+        for (std::size_t r = 0; r < replicates_; ++r)
+            if (kept_[r] > 0) out.mean = out.mean + (1 / R) * replicate_mean(r, w);
+        std::array<double, 7> C{};
+        for (std::size_t r = 0; r < replicates_; ++r) {
+            if (kept_[r] == 0) continue;
+            const Stokes<double> d = replicate_mean(r, w) + -1.0 * out.mean;
+            const std::array<double, 7> products{d.s0 * d.s0, d.s0 * d.s1, d.s0 * d.s2, d.s1 * d.s1,
+                                                 d.s1 * d.s2, d.s2 * d.s2, d.s3 * d.s3};
+            for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
+        }
+        const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
+        for (std::size_t e = 0; e < C.size(); ++e)
+            out.covariance[e] = static_cast<float>(norm * C[e]);
+        out.mean = held_physical(out.mean);
+    }
+}
+
+}  // namespace malus
