@@ -2,216 +2,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
-#include <iostream>
 #include <thread>
 
 #include "cli/commands.h"
 #include "cli/progress.h"
+#include "cli/provenance.h"
+#include "cli/render_output.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
+#include "malus/io/exposure_image.h"
 #include "malus/io/file.h"
-#include "malus/io/gltf.h"
-#include "malus/io/material_file.h"
-#include "malus/io/sky_file.h"
-#include "malus/io/spectral_image.h"
-#include "malus/io/stats_file.h"
-#include "malus/optics/wavelengths.h"
 
 namespace malus::cli {
 namespace {
 
-struct RenderOptions {
-    std::string scene, sky, output, stats, camera, look_at;
-    std::vector<std::string> materials, assign;
-    std::vector<double> wavelengths_nm;
-    double view_zenith_deg = 30, view_azimuth_deg = 0, fov_deg = 0, margin = 0.05;
-    bool orthographic = false, no_sun = false, debias = false, quiet = false;
-    CLI::Option* camera_option = nullptr;
-    std::vector<CLI::Option*> view_options;
-    RenderSettings settings;
-};
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void warn(const RenderOptions& options, const std::string& text) {
-    if (!options.quiet) std::cerr << "malus: note: " << text << '\n';
-}
-
-std::vector<Material> read_all_materials(const RenderOptions& options) {
-    std::vector<Material> all;
-    for (const std::string& path : options.materials) {
-        MaterialFile file = read_materials(path);
-        for (const std::string& warning : file.warnings) warn(options, warning);
-        for (Material& material : file.materials) {
-            for (const Material& other : all)
-                if (other.name == material.name)
-                    throw Error(material.place + ": a material of this name stands in " +
-                                other.place + " too; rename one");
-            all.push_back(std::move(material));
-        }
-    }
-    return all;
-}
-
-std::vector<PaintRule> parse_rules(const std::vector<std::string>& texts) {
-    std::vector<PaintRule> rules;
-    for (const std::string& text : texts) {
-        const std::size_t equals = text.rfind('=');
-        if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-            throw Error("--assign " + one_line(text) + ": expected NAME=MATERIAL");
-        rules.push_back({text.substr(0, equals), text.substr(equals + 1)});
-    }
-    return rules;
-}
-
-// The requested wavelengths, or all of the sky that every paint in use covers; ascending.
-std::vector<double> choose_wavelengths(const RenderOptions& options, const Sky& sky,
-                                       const std::vector<Material>& materials,
-                                       const std::vector<int>& paints) {
-    std::vector<double> chosen = sorted_wavelengths(options.wavelengths_nm);
-    for (double nm : chosen)
-        if (!find_wavelength(sky.wavelengths_nm, nm))
-            throw Error(options.sky + ": no light at " + to_text(nm) + " nm (it has " +
-                        to_text(sky.wavelengths_nm) +
-                        " nm); choose other --wavelengths or another sky");
-    if (!chosen.empty()) return chosen;
-    std::vector<double> left_out;
-    for (double nm : sky.wavelengths_nm) {
-        const bool covered = std::all_of(paints.begin(), paints.end(), [&](int paint) {
-            return materials[static_cast<std::size_t>(paint)].covers(nm);
-        });
-        (covered ? chosen : left_out).push_back(nm);
-    }
-    if (!left_out.empty() && !chosen.empty())
-        warn(options, options.sky + ": " + to_text(left_out) +
-                          " nm left out (no data of all materials in use there)");
-    if (chosen.empty())
-        throw Error(options.sky + ": none of its wavelengths (" + to_text(sky.wavelengths_nm) +
-                    " nm) is covered by all materials in use; make a sky that shares some");
-    return chosen;
-}
-
-// Says once for each paint in use where its parameters are read between rows.
-void tell_interpolation(const RenderOptions& options, const std::vector<Material>& materials,
-                        const std::vector<int>& paints, const std::vector<double>& wavelengths) {
-    for (std::size_t m = 0; m < materials.size(); ++m) {
-        if (std::find(paints.begin(), paints.end(), static_cast<int>(m)) == paints.end()) continue;
-        std::vector<double> between;
-        for (double nm : wavelengths)
-            if (materials[m].covers(nm) &&
-                std::none_of(materials[m].rows.begin(), materials[m].rows.end(),
-                             [&](const MaterialRow& row) {
-                                 return std::abs(row.wavelength_nm - nm) < kSameWavelength_nm;
-                             }))
-                between.push_back(nm);
-        if (!between.empty())
-            warn(options, materials[m].place + ": parameters at " + to_text(between) +
-                              " nm are interpolated linearly between rows");
-    }
-}
-
-bool asks_for_view(const RenderOptions& options) {
-    return std::any_of(options.view_options.begin(), options.view_options.end(),
-                       [](const CLI::Option* option) { return !option->empty(); });
-}
-
-const Camera& named_camera(const Scene& scene, const RenderOptions& options) {
-    std::vector<std::string> names;
-    for (const Camera& camera : scene.cameras) {
-        if (camera.name == options.camera) return camera;
-        names.push_back(camera.name);
-    }
-    throw Error(options.scene + ": no camera '" + one_line(options.camera) + "'" +
-                (names.empty() ? "; it has none, use --view-zenith and --view-azimuth"
-                               : suggest(options.camera, names)));
-}
-
-int named_node(const Scene& scene, const RenderOptions& options) {
-    std::vector<std::string> names;
-    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].name == options.look_at && !bounds(scene, static_cast<int>(n)).empty())
-            return static_cast<int>(n);
-        if (!scene.nodes[n].name.empty()) names.push_back(scene.nodes[n].name);
-    }
-    throw Error(options.scene + ": --look-at " + one_line(options.look_at) +
-                ": no node of this name holds triangles" + suggest(options.look_at, names));
-}
-
-Camera choose_camera(const Scene& scene, const RenderOptions& options) {
-    if (!options.camera_option->empty()) return named_camera(scene, options);
-    if (!asks_for_view(options) && !scene.cameras.empty()) return scene.cameras.front();
-    const Box box = bounds(scene, options.look_at.empty() ? -1 : named_node(scene, options));
-    View from{to_radians(options.view_zenith_deg),
-              to_radians(options.view_azimuth_deg),
-              {},
-              options.margin};
-    if (options.fov_deg > 0) from.yfov = to_radians(options.fov_deg);
-    return frame_view(from, box, options.settings.width, options.settings.height);
-}
-
-Labels make_labels(const Scene& scene, const std::vector<Material>& materials,
-                   const std::vector<int>& paints) {
-    Labels labels;
-    labels.material_of_instance = paints;
-    for (const Material& material : materials) labels.materials.push_back(material.name);
-    for (const Node& node : scene.nodes) labels.nodes.push_back(node.name);
-    for (const Instance& instance : scene.instances)
-        labels.node_of_instance.push_back(instance.node);
-    return labels;
-}
-
-// What a person wants to know when it is done, on one line.
-void tell_result(const RenderOptions& options, const RenderStats& stats,
-                 const RenderResult& result) {
-    // Said even in a quiet run: numbers may be missing.
-    if (result.refused > 0)
-        std::cerr << "malus: warning: " << refusal_warning(result, stats.seed) << '\n';
-    if (options.quiet) return;
-    std::string errors;
-    for (std::size_t w = 0; w < result.film.wavelengths_nm.size(); ++w) {
-        const ErrorSummary error = summarize_error(result.film, w);
-        char text[96];
-        std::snprintf(text, sizeof text, "%s %s nm S0 %.2g %%, DoLP %.2g", w ? ";" : "",
-                      to_text(result.film.wavelengths_nm[w]).c_str(), 100 * error.rms_s0_relative,
-                      error.rms_dolp);
-        errors += text;
-    }
-    std::printf("%s: %.1f s, %.2g million rays/s, standard error (rms)%s; %llu samples refused\n",
-                options.output.c_str(), stats.render_s,
-                static_cast<double>(result.rays) / std::max(1e-9, stats.render_s) / 1e6,
-                errors.c_str(), static_cast<unsigned long long>(result.refused));
-}
-
-std::string view_text(const RenderOptions& options) {
-    if (!options.camera_option->empty()) return "camera " + options.camera;
-    if (!asks_for_view(options)) return "first camera, or zenith 30, azimuth 0 degrees";
-    return "zenith " + to_text(options.view_zenith_deg) + ", azimuth " +
-           to_text(options.view_azimuth_deg) + " degrees, " +
-           (options.fov_deg > 0 ? "field of view " + to_text(options.fov_deg) + " degrees"
-                                : std::string("orthographic")) +
-           (options.look_at.empty() ? "" : ", of " + options.look_at);
-}
-
-// What the picture was made of and how, whether it came from the command line or a --config file.
-void add_provenance(Image& image, const RenderOptions& options, const RenderStats& stats,
-                    const std::string& command_line) {
-    image.attributes["malusVersion"] = stats.version;
-    image.attributes["commandLine"] = command_line;
-    image.attributes["seed"] = std::to_string(stats.seed);
-    image.attributes["wallTime"] =
-        static_cast<float>(stats.load_s + stats.build_s + stats.render_s);
-    image.attributes["scene"] = options.scene;
-    image.attributes["sky"] = options.sky;
-    image.attributes["materials"] = options.materials;
-    image.attributes["assign"] = options.assign;
-    image.attributes["view"] = view_text(options);
-    image.attributes["skyGridCells"] = static_cast<int>(stats.sky.cells);
-    image.attributes["samplesPerPixel"] = static_cast<int>(stats.spp);
-    image.attributes["maxDepth"] = stats.max_depth;
-}
+// The cap of a render that stops by its error or the clock.
+constexpr std::uint32_t kMostSamples = 1u << 20;
 
 // `--materials a.json scene.glb` gives the scene to --materials, which takes any number of files.
 void find_scene(RenderOptions& options) {
@@ -223,54 +34,34 @@ void find_scene(RenderOptions& options) {
     options.materials.pop_back();
 }
 
-// Outputs can be written and replace nothing that is read or written besides.
-void check_outputs(const RenderOptions& options) {
+// Outputs can be written and replace nothing that is read or written besides; only what --resume
+// goes on from may be replaced by what becomes of it.
+void check_outputs(RenderOptions& options) {
+    if (options.output.empty()) options.output = options.resume;
+    if (options.output.empty()) throw CLI::RequiredError("--output");
     std::vector<std::filesystem::path> others(options.materials.begin(), options.materials.end());
     others.insert(others.end(), {options.scene, options.sky});
     check_exr_name(options.output);
     check_writable(options.output);
     check_distinct(options.output, others);
     if (options.stats.empty()) return;
-    others.push_back(options.output);
+    others.insert(others.end(), {options.output, options.resume});
     check_writable(options.stats);
     check_distinct(options.stats, others);
-}
-
-// All that is read before the first ray.
-struct Inputs {
-    std::vector<Material> materials;
-    Sky sky;
-    Scene scene;
-    std::vector<int> paints;
-    std::vector<double> wavelengths_nm;
-    Camera camera;
-    Labels labels;
-};
-
-Inputs read_inputs(const RenderOptions& options) {
-    Inputs in;
-    in.materials = read_all_materials(options);
-    in.sky = read_sky(options.sky);
-    in.scene = read_gltf(options.scene);
-    for (const std::string& warning : in.sky.warnings) warn(options, warning);
-    for (const std::string& warning : in.scene.warnings) warn(options, warning);
-    in.paints = assign_paints(in.scene, parse_rules(options.assign), in.materials);
-    in.wavelengths_nm = choose_wavelengths(options, in.sky, in.materials, in.paints);
-    tell_interpolation(options, in.materials, in.paints, in.wavelengths_nm);
-    if (options.no_sun) in.sky.sun.reset();
-    in.camera = choose_camera(in.scene, options);
-    in.labels = make_labels(in.scene, in.materials, in.paints);
-    return in;
 }
 
 // The settings as they will be carried out.
 RenderSettings final_settings(const RenderOptions& options) {
     RenderSettings settings = options.settings;
-    settings.spp = whole_spp(settings.spp, settings.replicates);
-    if (settings.spp != options.settings.spp)
-        warn(options, "--spp " + std::to_string(options.settings.spp) + " is taken as " +
-                          std::to_string(settings.spp) + ", a multiple of the " +
-                          std::to_string(kReplicates) + " replicates that give the error bars");
+    const bool adaptive = settings.target_error > 0 || options.time_limit_s > 0;
+    if (adaptive && options.spp_option->empty()) settings.spp = kMostSamples;
+    const std::uint32_t asked = settings.spp;
+    settings.spp = whole_spp(asked, settings.replicates);
+    if (settings.spp != asked)
+        warn(options, "--spp " + std::to_string(asked) + " is taken as " +
+                          std::to_string(settings.spp) + ", as many for each of the " +
+                          std::to_string(settings.replicates) +
+                          " replicates that give the error bars");
     if (settings.threads == 0)
         settings.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     catch_interrupts();
@@ -278,46 +69,102 @@ RenderSettings final_settings(const RenderOptions& options) {
     return settings;
 }
 
-RenderResult render_with_progress(const RenderOptions& options, const PreparedScene& scene,
-                                  const Camera& camera, RenderSettings settings) {
-    Progress progress("rendering", options.quiet);
-    settings.progress = [&](double done) { progress.update(done); };
-    return render(scene, camera, settings);
+// What --resume goes on from; empty without it.
+Exposure begun(const RenderOptions& options, const Image& header, const RenderSettings& settings) {
+    if (options.resume.empty()) return {};
+    const std::string place = options.resume + ": --resume: ";
+    const Image other = read_exr(options.resume, [](const std::string&) { return false; });
+    if (const std::string what = first_difference(header, other); !what.empty())
+        throw Error(place + "it is of " + what + "; give what it was rendered with");
+    if (header.attributes.at("seed") != other.attributes.at("seed"))
+        throw Error(place + "it has seed " + std::get<std::string>(other.attributes.at("seed")) +
+                    "; give --seed with that, or merge renders of different seeds");
+    Exposure exposure = read_exposure(options.resume);
+    if (exposure.replicates != settings.replicates)
+        throw Error(place + "it has " + std::to_string(exposure.replicates) +
+                    " replicates; give --replicates with that");
+    const std::uint32_t least = *std::min_element(exposure.taken.begin(), exposure.taken.end());
+    if (least * settings.replicates >= settings.spp)
+        throw Error(place + "each pixel has " + std::to_string(least * settings.replicates) +
+                    " samples or more; ask for more by --spp");
+    return exposure;
 }
+
+// Renders with a line of progress. A time limit is of the whole command: the first samples of each
+// pixel come first, and show what writing will take.
+class Run {
+  public:
+    Run(const RenderOptions& options, const Inputs& inputs, const PreparedScene& scene,
+        const Image& header)
+        : options_(options), inputs_(inputs), scene_(scene), header_(header) {}
+
+    RenderResult go_on(Exposure exposure, RenderSettings settings, Clock::time_point start) {
+        if (!(options_.time_limit_s > 0)) return step(std::move(exposure), settings);
+        RenderSettings first = settings;
+        first.spp = settings.replicates;
+        first.target_error = 0;
+        RenderResult result = step(std::move(exposure), first);
+        if (result.stopped_by == StoppedBy::kRequest) return result;
+        const double writing = seconds_to_write(result, inputs_.labels, options_, header_);
+        settings.time_limit_s =
+            std::max(1e-3, options_.time_limit_s - seconds_since(start) - writing);
+        RenderResult rest = step(std::move(result.exposure), settings);
+        rest.paths += result.paths, rest.rays += result.rays, rest.refused += result.refused;
+        if (rest.first_refused.empty()) rest.first_refused = result.first_refused;
+        return rest;
+    }
+
+  private:
+    RenderResult step(Exposure exposure, RenderSettings settings) {
+        Progress progress("rendering", options_.quiet);
+        settings.progress = [&](double done) { progress.update(done); };
+        return render(scene_, inputs_.camera, settings, std::move(exposure));
+    }
+
+    const RenderOptions& options_;
+    const Inputs& inputs_;
+    const PreparedScene& scene_;
+    const Image& header_;
+};
 
 void render_to_file(RenderOptions& options, const std::string& command_line) {
     RenderStats stats;
-    auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     find_scene(options);
     check_outputs(options);
     Inputs in = read_inputs(options);
+    const RenderSettings settings = final_settings(options);
+    Image header = make_header(options, in, settings, command_line);
+    Exposure exposure = begun(options, header, settings);
     stats.load_s = seconds_since(start);
 
-    start = std::chrono::steady_clock::now();
+    auto last = Clock::now();
     const PreparedScene prepared(std::move(in.scene), in.paints, in.materials, in.sky,
                                  in.wavelengths_nm);
-    stats.build_s = seconds_since(start);
+    stats.build_s = seconds_since(last);
     stats.sky = prepared.sky_resampling();
 
-    start = std::chrono::steady_clock::now();
-    const RenderSettings settings = final_settings(options);
-    const RenderResult result = render_with_progress(options, prepared, in.camera, settings);
-    stats.render_s = seconds_since(start);
-    if (result.stopped_by == StoppedBy::kRequest)
-        throw Error(options.output + ": not written (stopped by a signal before it was finished)");
+    last = Clock::now();
+    const RenderResult result =
+        Run(options, in, prepared, header).go_on(std::move(exposure), settings, start);
+    stats.render_s = seconds_since(last);
+    if (!result.complete())
+        throw Error(options.output +
+                    ": not written (stopped by a signal before each pixel had its first samples)");
 
     stats.version = version();
     stats.scene = options.scene;
     stats.spp = settings.spp;
+    stats.target_error = settings.target_error;
+    stats.time_limit_s = options.time_limit_s;
     stats.max_depth = settings.max_depth;
     stats.threads = settings.threads;
     stats.seed = settings.seed;
-    start = std::chrono::steady_clock::now();
-    Image image = to_image(result.film, in.labels,
-                           options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
-    add_provenance(image, options, stats, command_line);
-    write_exr(options.output, image);
-    stats.write_s = seconds_since(start);
+    last = Clock::now();
+    header.attributes["skyGridCells"] = static_cast<int>(stats.sky.cells);
+    header.attributes["wallTime"] = static_cast<float>(seconds_since(start));
+    write_image(options.output, result, in.labels, options, header);
+    stats.write_s = seconds_since(last);
     if (!options.stats.empty()) write_stats(options.stats, stats, result);
     tell_result(options, stats, result);
 }
@@ -329,7 +176,8 @@ void add_inputs(CLI::App& sub, RenderOptions& o) {
                  "Leave out the sun's disc, which lights the scene where the sky map declares one "
                  "(sunIrradiance)");
     sub.add_option("--materials", o.materials, "Paints: one or more .json files")->required();
-    sub.add_option("-o,--output", o.output, "Image to write, EXR")->required();
+    sub.add_option("-o,--output", o.output,
+                   "Image to write, EXR (required; with --resume by default that file)");
     sub.add_option("--stats", o.stats, "Write what was done to this JSON file");
     sub.add_option("--wavelengths", o.wavelengths_nm,
                    "Wavelengths, nm, e.g. 440,600 [all of the sky that the materials cover]")
@@ -384,9 +232,13 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
     sub.add_option("--height", s.height, "Rows, pixels")
         ->check(CLI::Range(1, 65536))
         ->capture_default_str();
-    sub.add_option("--spp", s.spp, "Samples a pixel, rounded up to a multiple of 8")
-        ->check(CLI::Range(1u, 1u << 30))
-        ->capture_default_str();
+    o.spp_option =
+        sub.add_option("--spp", s.spp,
+                       "Samples a pixel, rounded up to as many of each replicate (beyond "
+                       "64 of each to one of 32 steps in a doubling); with "
+                       "--target-error or --time-limit the most, by default 1048576")
+            ->check(CLI::Range(1u, 1u << 30))
+            ->capture_default_str();
     sub.add_option("--max-depth", s.max_depth,
                    "Surface reflections on a path: 1 = sky light only, 2 = target-background too")
         ->check(CLI::Range(1, 1000))
@@ -398,6 +250,26 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "Threads; 0: all of the machine. The image does not depend on it")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
+    sub.add_option("--replicates", s.replicates,
+                   "Independent scrambles a pixel, whose spread is the error bar")
+        ->check(CLI::Range(4u, 256u))
+        ->capture_default_str();
+    sub.add_option(
+           "--target-error", s.target_error,
+           "Stop when this error is reached: the standard error of DoLP is at most E and that "
+           "of S0 at most E S0, at each wavelength, in 95 % of the pixels that show a "
+           "surface, e.g. 0.01. Samples go where the error is")
+        ->check(within(1e-6, 1.0));
+    sub.add_option(
+           "--time-limit", o.time_limit_s,
+           "Stop after so many seconds, reading and writing included, with the smallest such "
+           "error they can buy")
+        ->check(within(1e-3, 1e9));
+    sub.add_option("--resume", o.resume,
+                   "Add samples to this image of the same scene and options, as if its render had "
+                   "never stopped (--spp, --target-error: of all its samples together)");
+    sub.add_flag("--final", o.final,
+                 "Leave out of the image what --resume needs: a file of a quarter of the size");
     sub.add_flag("--debias", o.debias,
                  "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                  "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "

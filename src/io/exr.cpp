@@ -51,12 +51,12 @@ void collect_attributes(const Imf::Header& header, Image& image) {
     }
 }
 
-// A strip of floats whose first pixel stands at (window.min.x, window.min.y).
-Imf::Slice slice(const float* data, const Imath::Box2i& window) {
-    const std::size_t row =
-        sizeof(float) * static_cast<std::size_t>(window.max.x - window.min.x + 1);
+// Floats, `stride` from pixel to pixel, whose first stands at (window.min.x, window.min.y).
+Imf::Slice slice(const float* data, const Imath::Box2i& window, std::size_t stride = 1) {
+    const std::size_t pixel = stride * sizeof(float);
+    const std::size_t row = pixel * static_cast<std::size_t>(window.max.x - window.min.x + 1);
     // OpenEXR takes char* for input and output alike.
-    return Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(data), window, sizeof(float), row);
+    return Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(data), window, pixel, row);
 }
 
 void check_size(const Imath::Box2i& window) {
@@ -66,7 +66,7 @@ void check_size(const Imath::Box2i& window) {
         throw Error("the picture is empty or has over 2³¹ pixels");
 }
 
-Image read_part(const fs::path& path) {
+Image read_part(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
     Imf::MultiPartInputFile parts(path.c_str());
     if (parts.parts() != 1)
         throw Error("it has " + std::to_string(parts.parts()) + " parts, not one");
@@ -81,10 +81,12 @@ Image read_part(const fs::path& path) {
     Imf::FrameBuffer frame;
     const Imf::ChannelList& channels = header.channels();
     for (auto c = channels.begin(); c != channels.end(); ++c) {
+        if (wanted && !wanted(c.name())) continue;
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
             throw Error("channel '" + std::string(c.name()) + "' is subsampled");
         frame.insert(c.name(), slice(image.channel(c.name()).data(), window));
     }
+    if (image.channels.empty()) return image;
     file.setFrameBuffer(frame);
     file.readPixels(window.min.y, window.max.y);
     return image;
@@ -108,13 +110,13 @@ const float* Image::number(const std::string& attribute) const {
     return found == attributes.end() ? nullptr : std::get_if<float>(&found->second);
 }
 
-Image read_exr(const fs::path& path) {
+Image read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
     std::error_code error;
     if (!fs::exists(path, error)) throw Error(path.string() + ": file not found; check the name");
     if (!fs::is_regular_file(path, error) || !Imf::isOpenExrFile(path.c_str()))
         throw Error(path.string() + ": not an OpenEXR file; name one");
     try {
-        return read_part(path);
+        return read_part(path, wanted);
     } catch (const std::exception& problem) {
         throw Error(path.string() + ": cannot be read (" + one_line(problem.what()) +
                     "); the file may be damaged or cut off, make it again");
@@ -138,6 +140,10 @@ void write_exr(const fs::path& path, const Image& image) {
     for (const auto& [name, data] : image.channels) {
         header.channels().insert(name, Imf::Channel(Imf::FLOAT));
         frame.insert(name, slice(data.data(), window));
+    }
+    for (const auto& [name, channel] : image.borrowed) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        frame.insert(name, slice(channel.first, window, channel.stride));
     }
     write_whole(path, [&](const fs::path& beside) {
         // Compression is most of the work; threads of OpenEXR's pool share it.

@@ -42,6 +42,9 @@ void fill_wavelength(Image& image, const Film& film, std::size_t w, DolpEstimato
     fill(image, "StdErr_S1", film, w, [](const P& p) { return std::sqrt(p.covariance[3]); });
     fill(image, "StdErr_S2", film, w, [](const P& p) { return std::sqrt(p.covariance[5]); });
     fill(image, "StdErr_S3", film, w, [](const P& p) { return std::sqrt(p.covariance[6]); });
+    fill(image, "Cov_S0S1", film, w, [](const P& p) { return p.covariance[1]; });
+    fill(image, "Cov_S0S2", film, w, [](const P& p) { return p.covariance[2]; });
+    fill(image, "Cov_S1S2", film, w, [](const P& p) { return p.covariance[4]; });
     fill(image, "StdErr_DoLP", film, w, [](const P& p) { return stderr_dolp(p); });
     fill(image, "StdErr_AoLP", film, w, [](const P& p) { return to_degrees(stderr_aolp(p)); });
 }
@@ -137,6 +140,8 @@ Image to_image(const Film& film, const Labels& labels, DolpEstimator estimator) 
     image.channel("A") = film.coverage;
     image.channel("Z") = film.distance;
     std::copy(film.samples.begin(), film.samples.end(), image.channel("N.samples").begin());
+    std::vector<float>& replicates = image.channel("N.replicates");
+    for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i] = film.at(i, 0).replicates;
     fill_ids(image, "material.id", "materialNames", film, labels.material_of_instance,
              labels.materials);
     fill_ids(image, "node.id", "nodeNames", film, labels.node_of_instance, labels.nodes);

@@ -13,23 +13,40 @@
 namespace malus {
 
 ErrorSummary summarize_error(const Film& film, std::size_t wavelength) {
-    double s0 = 0, p2 = 0, lit = 0;
-    std::vector<double> dolp_errors;
+    std::vector<double> s0, dolp;
     for (std::size_t i = 0; i < film.pixel_count(); ++i) {
         if (!(film.coverage[i] > 0)) continue;
         const PixelStokes& pixel = film.at(i, wavelength);
-        dolp_errors.push_back(stderr_dolp(pixel));
-        p2 += sqr(dolp_errors.back());
-        if (!(pixel.mean.s0 > 0)) continue;
-        s0 += static_cast<double>(pixel.covariance[0]) / sqr(pixel.mean.s0);
-        lit += 1;
+        dolp.push_back(stderr_dolp(pixel));
+        if (pixel.mean.s0 > 0) s0.push_back(relative_stderr_s0(pixel));
     }
-    if (dolp_errors.empty()) return {};
-    const auto p95 = dolp_errors.begin() + static_cast<std::ptrdiff_t>(
-                                               0.95 * static_cast<double>(dolp_errors.size() - 1));
-    std::nth_element(dolp_errors.begin(), p95, dolp_errors.end());
-    return {lit > 0 ? std::sqrt(s0 / lit) : 0,
-            std::sqrt(p2 / static_cast<double>(dolp_errors.size())), *p95};
+    const auto rms = [](const std::vector<double>& errors) {
+        double squares = 0;
+        for (double e : errors) squares += sqr(e);
+        return errors.empty() ? 0 : std::sqrt(squares / static_cast<double>(errors.size()));
+    };
+    return {rms(s0), quantile(s0, 0.95), rms(dolp), quantile(dolp, 0.95)};
+}
+
+SampleCounts count_samples(const Film& film) {
+    const auto [least, most] = std::minmax_element(film.samples.begin(), film.samples.end());
+    double sum = 0;
+    for (std::uint32_t n : film.samples) sum += n;
+    return {*least, *most, sum / static_cast<double>(film.pixel_count())};
+}
+
+std::string to_text(StoppedBy why) {
+    switch (why) {
+        case StoppedBy::kSamples:
+            return "spp";
+        case StoppedBy::kTargetError:
+            return "target-error";
+        case StoppedBy::kTimeLimit:
+            return "time-limit";
+        case StoppedBy::kRequest:
+            return "signal";
+    }
+    return {};
 }
 
 double peak_memory_mib() {
@@ -58,6 +75,9 @@ void write_stats(const std::filesystem::path& path, const RenderStats& stats,
     json["width"] = film.width;
     json["height"] = film.height;
     json["spp"] = stats.spp;
+    json["replicates"] = result.exposure.replicates;
+    const SampleCounts samples = count_samples(film);
+    json["samples"] = {{"least", samples.least}, {"mean", samples.mean}, {"most", samples.most}};
     json["max_depth"] = stats.max_depth;
     json["seed"] = stats.seed;
     json["threads"] = stats.threads;
@@ -84,10 +104,14 @@ void write_stats(const std::filesystem::path& path, const RenderStats& stats,
         const ErrorSummary error = summarize_error(film, w);
         json["error"][to_text(film.wavelengths_nm[w])] = {
             {"rms_S0_relative", error.rms_s0_relative},
+            {"p95_S0_relative", error.p95_s0_relative},
             {"rms_DoLP", error.rms_dolp},
             {"p95_DoLP", error.p95_dolp}};
     }
-    json["stopped_by"] = stats.stopped_by;
+    json["p95_error"] = error_of_most(film);
+    if (stats.target_error > 0) json["target_error"] = stats.target_error;
+    if (stats.time_limit_s > 0) json["time_limit_s"] = stats.time_limit_s;
+    json["stopped_by"] = to_text(result.stopped_by);
     // Names from files may hold bytes that are not UTF-8; they are replaced, not refused.
     write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }

@@ -22,6 +22,11 @@ double widening(const PixelStokes& pixel) {
 
 }  // namespace
 
+double relative_stderr_s0(const PixelStokes& pixel) {
+    if (!(pixel.mean.s0 > 0)) return 0;
+    return std::sqrt(static_cast<double>(pixel.covariance[k00])) / pixel.mean.s0;
+}
+
 double stderr_dolp(const PixelStokes& pixel) {
     const Stokes<double>& S = pixel.mean;
     if (!(S.s0 > 0)) return 0;
@@ -67,6 +72,32 @@ Film::Film(int w, int h, std::vector<double> wavelengths)
     distance.resize(pixels);
     instance.resize(pixels, -1);
     samples.resize(pixels);
+}
+
+std::optional<double> pixel_error(const Film& film, std::size_t pixel) {
+    if (!(film.coverage[pixel] > 0)) return std::nullopt;
+    double largest = 0;
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) {
+        const PixelStokes& p = film.at(pixel, w);
+        largest = std::max({largest, stderr_dolp(p), relative_stderr_s0(p)});
+    }
+    return largest;
+}
+
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0;
+    const auto count = static_cast<double>(values.size());
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(std::max(0.0, std::ceil(share * count) - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+double error_of_most(const Film& film) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < film.pixel_count(); ++i)
+        if (const auto error = pixel_error(film, i)) errors.push_back(*error);
+    return quantile(std::move(errors), 0.95);
 }
 
 }  // namespace malus

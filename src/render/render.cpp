@@ -15,6 +15,7 @@
 #include <tuple>
 
 #include "malus/core/error.h"
+#include "malus/optics/wavelengths.h"
 #include "render/path_tracer.h"
 #include "render/sampling_plan.h"
 
@@ -236,7 +237,11 @@ void check_belongs(const Exposure& begun, const PreparedScene& scene,
     if (begun.replicates != settings.replicates)
         throw Error("it has " + std::to_string(begun.replicates) + " replicates, not " +
                     std::to_string(settings.replicates));
-    if (begun.wavelengths_nm != scene.wavelengths_nm()) throw Error("it has other wavelengths");
+    const auto same = [](double a, double b) { return std::abs(a - b) < kSameWavelength_nm; };
+    if (!std::equal(begun.wavelengths_nm.begin(), begun.wavelengths_nm.end(),
+                    scene.wavelengths_nm().begin(), scene.wavelengths_nm().end(), same))
+        throw Error("it has the wavelengths " + to_text(begun.wavelengths_nm) + " nm, not " +
+                    to_text(scene.wavelengths_nm()) + " nm");
 }
 
 }  // namespace
@@ -255,6 +260,7 @@ RenderResult render(const PreparedScene& scene, const Camera& camera,
             Exposure(settings.width, settings.height, scene.wavelengths_nm(), settings.replicates);
     check_belongs(begun, scene, settings);
     result.exposure = std::move(begun);
+    result.exposure.wavelengths_nm = scene.wavelengths_nm();
     const int threads = settings.threads > 0 ? settings.threads : tbb::info::default_concurrency();
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));

@@ -18,16 +18,6 @@ constexpr double kFall = 0.7;        // of the goal from round to round
 constexpr double kSpread = 1.5;
 constexpr double kSlope = 0.6;  // error ~ samples^-slope, to foresee what a tile needs
 
-// SE(S0)²/S0² and SE(DoLP)².
-struct Squares {
-    double s0, dolp;
-    double larger() const { return std::max(s0, dolp); }
-};
-Squares squares(const PixelStokes& pixel) {
-    const double c00 = static_cast<double>(pixel.covariance[0]);
-    return {pixel.mean.s0 > 0 ? c00 / sqr(pixel.mean.s0) : 0, sqr(stderr_dolp(pixel))};
-}
-
 // Half of an octave on: 1, 2, 3, 4, 6, 8, 12, …
 std::uint32_t next_level(std::uint32_t samples) {
     std::uint32_t level = std::bit_floor(std::max(1u, samples));
@@ -62,23 +52,21 @@ void SamplingPlan::for_each_pixel(std::size_t t, Visit visit) const {
 void SamplingPlan::measure(const Film& film, std::size_t t) {
     if (!adaptive()) return;
     const std::size_t wavelengths = film.wavelengths_nm.size();
-    std::vector<Squares> sums(wavelengths, Squares{0, 0});
-    std::uint32_t surface = 0;
+    std::vector<double> s0(wavelengths), dolp(wavelengths);  // sums of squares
+    surface_[t] = 0;
     for_each_pixel(t, [&](std::size_t i) {
-        if (!(film.coverage[i] > 0)) return;
-        ++surface;
-        double largest = 0;
+        const std::optional<double> error = pixel_error(film, i);
+        pixel_error_[i] = error ? static_cast<float>(*error) : -1.0f;
+        if (!error) return;
+        ++surface_[t];
         for (std::size_t w = 0; w < wavelengths; ++w) {
-            const Squares e = squares(film.at(i, w));
-            sums[w].s0 += e.s0, sums[w].dolp += e.dolp;
-            largest = std::max(largest, e.larger());
+            s0[w] += sqr(relative_stderr_s0(film.at(i, w)));
+            dolp[w] += sqr(stderr_dolp(film.at(i, w)));
         }
-        pixel_error_[i] = static_cast<float>(std::sqrt(largest));
     });
-    double largest = 0;
-    for (const Squares& sum : sums) largest = std::max(largest, sum.larger());
-    surface_[t] = surface;
-    tile_error_[t] = surface ? static_cast<float>(std::sqrt(largest / surface)) : 0;
+    const double largest = std::max(*std::max_element(s0.begin(), s0.end()),
+                                    *std::max_element(dolp.begin(), dolp.end()));
+    tile_error_[t] = surface_[t] ? static_cast<float>(std::sqrt(largest / surface_[t])) : 0;
 }
 
 std::size_t SamplingPlan::first_pixel(std::size_t t) const {
@@ -143,16 +131,11 @@ bool SamplingPlan::beyond_help(const Exposure& exposure) const {
     return open == 0 || lost > (1 - kShare) * surface;
 }
 
-// The error that 95 % of the pixels have at most.
 double SamplingPlan::error_of_most() const {
-    std::vector<float> errors;
+    std::vector<double> errors;
     for (float e : pixel_error_)
-        if (e >= 0) errors.push_back(e);
-    if (errors.empty()) return 0;
-    const auto at =
-        static_cast<std::ptrdiff_t>(std::ceil(kShare * static_cast<double>(errors.size())) - 1);
-    std::nth_element(errors.begin(), errors.begin() + at, errors.end());
-    return static_cast<double>(errors[static_cast<std::size_t>(at)]);
+        if (e >= 0) errors.push_back(static_cast<double>(e));
+    return quantile(std::move(errors), kShare);
 }
 
 std::vector<std::size_t> SamplingPlan::above(double goal, const Exposure& exposure) const {

@@ -44,6 +44,7 @@ TEST_CASE("Film to image: every channel of the format, with the film's numbers")
     film.samples = {64, 64};
     film.stokes[0].mean = {2, -0.6, 0.8, 0.1};
     film.stokes[0].covariance = {0.04f, 0, 0, 0.01f, 0, 0.0225f, 0.09f};
+    film.stokes[1].covariance = {0.04f, 0.001f, 0.002f, 0.01f, 0.003f, 0.0225f, 0.09f};
     const Image image = to_image(film, {{"matte", "green"}, {"root", "hull"}, {0, 1}, {0, 1}});
     const auto at = [&](const std::string& name) { return image.channels.at(name)[0]; };
     CHECK(at("S0.440,000000nm") == 2.0f);
@@ -62,13 +63,17 @@ TEST_CASE("Film to image: every channel of the format, with the film's numbers")
     const double wider = std::sqrt(7.0 / 8 * (8 / 1.07) / (8 / 1.07 - 1));
     CHECK(at("StdErr_DoLP.440,000000nm") == Approx(wider * std::sqrt(0.028) / 2));
     CHECK(at("StdErr_AoLP.440,000000nm") == Approx(wider * to_degrees(std::sqrt(0.0145) / 2)));
+    CHECK(at("Cov_S0S1.600,000000nm") == 0.001f);
+    CHECK(at("Cov_S0S2.600,000000nm") == 0.002f);
+    CHECK(at("Cov_S1S2.600,000000nm") == 0.003f);
     CHECK(at("A") == 1);
     CHECK(at("Z") == 12);
     CHECK(at("material.id") == 2);
     CHECK(at("node.id") == 2);
     CHECK(image.channels.at("node.id")[1] == 0);
     CHECK(at("N.samples") == 64);
-    CHECK(image.channels.size() == 2 * 12 + 5 + 3);
+    CHECK(at("N.replicates") == 8);
+    CHECK(image.channels.size() == 2 * 15 + 6 + 3);
     CHECK(image.channels.at("R") == image.channels.at("S0.600,000000nm"));
     CHECK(*image.text("spectralLayoutVersion") == "1.0");
     CHECK(*image.text("emissiveUnits") == "W.m^-2.sr^-1");
@@ -125,7 +130,10 @@ TEST_CASE("Stats: errors are summarized over the pixels that show a surface") {
         return std::sqrt(7.0 / 8 * m / (m - 1));
     };
     CHECK(error.rms_dolp == Approx(0.05 * std::sqrt((sqr(wider(0.01)) + sqr(wider(0.04))) / 2)));
-    CHECK(error.p95_dolp == Approx(0.05 * wider(0.01)));
+    // Of two numbers 95 % are at most the larger.
+    CHECK(error.p95_s0_relative == Approx(0.2));
+    CHECK(error.p95_dolp == Approx(0.05 * wider(0.04)));
+    CHECK(error_of_most(film) == Approx(0.2));
 }
 
 TEST_CASE("Stats: refused samples are told with pixel and seed") {
@@ -144,4 +152,14 @@ TEST_CASE("Stats: refused samples are told with pixel and seed") {
     CHECK_THAT(json, Contains("\"rejected_samples\": 3") && Contains("\"seed\": 42") &&
                          Contains("\"x\": 5") && Contains("\"y\": 7") &&
                          Contains("\"replicate\": 2") && Contains("\"sample\": 11"));
+}
+
+TEST_CASE("Quantile: the smallest number that a share of the values does not exceed") {
+    CHECK(quantile({}, 0.95) == 0);
+    CHECK(quantile({3}, 0.95) == 3);
+    std::vector<double> values;
+    for (int i = 100; i > 0; --i) values.push_back(i);
+    CHECK(quantile(values, 0.95) == 95);
+    CHECK(quantile(values, 1) == 100);
+    CHECK(quantile(values, 0) == 1);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <variant>
@@ -14,10 +15,17 @@ namespace malus {
 
 using Attribute = std::variant<std::string, float, int, std::vector<std::string>>;
 
+/// A channel that stands elsewhere in memory, `stride` floats from pixel to pixel.
+struct BorrowedChannel {
+    const float* first;
+    std::size_t stride;
+};
+
 /// Channels of one size, rows from the top, and what the header says of them.
 struct Image {
     int width = 0, height = 0;
     std::map<std::string, std::vector<float>> channels;
+    std::map<std::string, BorrowedChannel> borrowed;  ///< written like the others; none when read
     std::map<std::string, Attribute> attributes;
 
     std::size_t pixel_count() const {
@@ -29,8 +37,10 @@ struct Image {
     const float* number(const std::string& attribute) const;      ///< nullptr if absent
 };
 
-/// Throws Error when the file is missing, not OpenEXR, damaged, tiled in levels or of many parts.
-Image read_exr(const std::filesystem::path& path);
+/// With the channels whose names are `wanted`; without it, with all. Throws Error when the file is
+/// missing, not OpenEXR, damaged, tiled in levels or of many parts.
+Image read_exr(const std::filesystem::path& path,
+               const std::function<bool(const std::string&)>& wanted = {});
 
 /// Throws Error unless the name ends in .exr: what is written is one, whatever its name.
 void check_exr_name(const std::filesystem::path& path);

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "malus/optics/stokes.h"
@@ -37,6 +38,9 @@ struct PixelStokes {
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
 
+/// SE(S0)/S0; 0 without light.
+double relative_stderr_s0(const PixelStokes& pixel);
+
 /// DoLP less what noise adds to it on average (it makes light look polarized): p̂, the modified
 /// asymptotic (MAS) estimate of Plaszczynski et al., in [0, 1]. Of finished pixels only: a mean of
 /// several is the DoLP of their mean Stokes vector.
@@ -59,5 +63,15 @@ struct Film {
         return stokes[pixel * wavelengths_nm.size() + wavelength];
     }
 };
+
+/// The larger of SE(DoLP) and SE(S0)/S0 at the wavelength where it is largest; nothing where no
+/// surface shows.
+std::optional<double> pixel_error(const Film& film, std::size_t pixel);
+
+/// The number that this share of `values` has at most; 0 of none.
+double quantile(std::vector<double> values, double share);
+
+/// What 95 % of the pixels that show a surface have at most as their pixel_error().
+double error_of_most(const Film& film);
 
 }  // namespace malus

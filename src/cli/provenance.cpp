@@ -1,0 +1,58 @@
+// provenance.cpp — what two headers must share.
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/provenance.h"
+
+#include <array>
+
+#include "cli/render_inputs.h"
+#include "malus/core/error.h"
+#include "malus/scene/fingerprint.h"
+
+namespace malus::cli {
+namespace {
+
+struct Entry {
+    const char *attribute, *what;
+};
+constexpr std::array<Entry, 7> kShared{{{"wavelengths", "other wavelengths"},
+                                        {"sceneHash", "another scene"},
+                                        {"paintsHash", "other paints"},
+                                        {"skyHash", "another sky"},
+                                        {"viewHash", "another view"},
+                                        {"maxDepth", "another --max-depth"},
+                                        {"malusVersion", "another version of malus"}}};
+
+std::string size_of(const Image& image) {
+    return std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels";
+}
+
+std::string value(const Image& image, const char* attribute) {
+    const auto found = image.attributes.find(attribute);
+    if (found == image.attributes.end()) return "none";
+    if (const int* integer = std::get_if<int>(&found->second)) return std::to_string(*integer);
+    const std::string* text = image.text(attribute);
+    return text ? one_line(*text) : "of another type";
+}
+
+}  // namespace
+
+void add_fingerprints(Image& image, const Inputs& in) {
+    image.attributes["sceneHash"] = fingerprint(in.scene);
+    image.attributes["paintsHash"] = fingerprint(in.materials, in.paints, in.wavelengths_nm);
+    image.attributes["skyHash"] = fingerprint(in.sky, in.wavelengths_nm);
+    image.attributes["viewHash"] = fingerprint(in.camera);
+}
+
+std::string first_difference(const Image& a, const Image& b) {
+    if (a.width != b.width || a.height != b.height)
+        return "another size (" + size_of(a) + ", " + size_of(b) + ")";
+    for (const Entry& entry : kShared) {
+        const std::string x = value(a, entry.attribute), y = value(b, entry.attribute);
+        if (x != y)
+            return std::string(entry.what) + " (header " + entry.attribute + ": " + x + ", " + y +
+                   ")";
+    }
+    return {};
+}
+
+}  // namespace malus::cli

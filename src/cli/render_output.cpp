@@ -1,0 +1,147 @@
+// render_output.cpp — from a result to the image, and to the line a person reads.
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/render_output.h"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+#include "cli/commands.h"
+#include "cli/provenance.h"
+#include "malus/io/exposure_image.h"
+#include "malus/optics/wavelengths.h"
+
+namespace malus::cli {
+namespace {
+
+// Rows [first, first + count) of [pixel][per_pixel].
+template <class T>
+std::vector<T> rows_of(const std::vector<T>& all, std::size_t first, std::size_t count,
+                       std::size_t per_row) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first * per_row);
+    return {begin, begin + static_cast<std::ptrdiff_t>(count * per_row)};
+}
+
+// The rows in the middle of the picture, as a picture of its own.
+RenderResult middle_rows(const RenderResult& whole, int rows) {
+    const Film& f = whole.film;
+    const Exposure& e = whole.exposure;
+    const auto first = static_cast<std::size_t>((f.height - rows) / 2);
+    const auto count = static_cast<std::size_t>(rows), width = static_cast<std::size_t>(f.width);
+    RenderResult part;
+    part.film = Film(f.width, rows, f.wavelengths_nm);
+    part.film.stokes = rows_of(f.stokes, first, count, width * f.wavelengths_nm.size());
+    part.film.coverage = rows_of(f.coverage, first, count, width);
+    part.film.distance = rows_of(f.distance, first, count, width);
+    part.film.instance = rows_of(f.instance, first, count, width);
+    part.film.samples = rows_of(f.samples, first, count, width);
+    part.exposure = Exposure(f.width, rows, f.wavelengths_nm, e.replicates);
+    part.exposure.stokes =
+        rows_of(e.stokes, first, count, width * e.replicates * e.replicate_stride());
+    return part;
+}
+
+std::string why_stopped(StoppedBy why) {
+    switch (why) {
+        case StoppedBy::kSamples:
+            return "";
+        case StoppedBy::kTargetError:
+            return " (target error reached)";
+        case StoppedBy::kTimeLimit:
+            return " (time limit)";
+        case StoppedBy::kRequest:
+            return " (stopped by a signal)";
+    }
+    return {};
+}
+
+std::string samples_text(const Film& film) {
+    const SampleCounts n = count_samples(film);
+    char text[96];
+    if (n.least == n.most)
+        std::snprintf(text, sizeof text, "%u samples a pixel", n.least);
+    else
+        std::snprintf(text, sizeof text, "%u to %u samples a pixel (mean %.0f)", n.least, n.most,
+                      n.mean);
+    return text;
+}
+
+std::string errors_text(const Film& film) {
+    std::string errors;
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) {
+        const ErrorSummary error = summarize_error(film, w);
+        char text[96];
+        std::snprintf(text, sizeof text, "%s %s nm S0 %.2g %%, DoLP %.2g", w ? ";" : "",
+                      to_text(film.wavelengths_nm[w]).c_str(), 100 * error.rms_s0_relative,
+                      error.rms_dolp);
+        errors += text;
+    }
+    return errors;
+}
+
+}  // namespace
+
+Image make_header(const RenderOptions& options, const Inputs& inputs,
+                  const RenderSettings& settings, const std::string& command_line) {
+    Image header;
+    header.width = settings.width;
+    header.height = settings.height;
+    header.attributes["malusVersion"] = version();
+    header.attributes["commandLine"] = command_line;
+    header.attributes["seed"] = std::to_string(settings.seed);
+    header.attributes["scene"] = options.scene;
+    header.attributes["sky"] = options.sky;
+    header.attributes["materials"] = options.materials;
+    header.attributes["assign"] = options.assign;
+    header.attributes["view"] = view_text(options);
+    header.attributes["wavelengths"] = to_text(inputs.wavelengths_nm) + " nm";
+    header.attributes["samplesPerPixel"] = static_cast<int>(settings.spp);
+    header.attributes["maxDepth"] = settings.max_depth;
+    add_fingerprints(header, inputs);
+    return header;
+}
+
+void write_image(const std::string& path, const RenderResult& result, const Labels& labels,
+                 const RenderOptions& options, const Image& header) {
+    Image image = to_image(result.film, labels,
+                           options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
+    image.attributes.insert(header.attributes.begin(), header.attributes.end());
+    image.attributes["stoppedBy"] = to_text(result.stopped_by);
+    if (!options.final) add_exposure(image, result.exposure);
+    write_exr(path, image);
+}
+
+double seconds_to_write(const RenderResult& result, const Labels& labels,
+                        const RenderOptions& options, const Image& header) {
+    // Four blocks of 16 rows, which OpenEXR's threads share.
+    const int rows = std::min(64, result.film.height);
+    const std::string trial = options.output + ".trial.exr";
+    const auto start = std::chrono::steady_clock::now();
+    write_image(trial, middle_rows(result, rows), labels, options, header);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::error_code ignored;
+    std::filesystem::remove(trial, ignored);
+    return seconds * result.film.height / rows;
+}
+
+void tell_result(const RenderOptions& options, const RenderStats& stats,
+                 const RenderResult& result) {
+    // Said even in a quiet run: numbers may be missing.
+    if (result.refused > 0)
+        std::cerr << "malus: warning: " << refusal_warning(result, stats.seed) << '\n';
+    if (result.stopped_by == StoppedBy::kRequest)
+        std::cerr << "malus: note: stopped by a signal; " << options.output
+                  << " is whole, with the error bars of the samples it has"
+                  << (options.final ? "" : " (--resume goes on)") << '\n';
+    if (options.quiet) return;
+    std::printf(
+        "%s: %.1f s%s, %s, %.2g million rays/s, standard error (rms)%s; %llu samples "
+        "refused\n",
+        options.output.c_str(), stats.render_s, why_stopped(result.stopped_by).c_str(),
+        samples_text(result.film).c_str(),
+        static_cast<double>(result.rays) / std::max(1e-9, stats.render_s) / 1e6,
+        errors_text(result.film).c_str(), static_cast<unsigned long long>(result.refused));
+}
+
+}  // namespace malus::cli

@@ -1,0 +1,137 @@
+// exposure_image.cpp — exposures to channels and back.
+// SPDX-License-Identifier: Apache-2.0
+#include "malus/io/exposure_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "malus/core/error.h"
+#include "malus/io/spectral_image.h"
+
+namespace malus {
+namespace {
+
+std::string sum_channel(std::size_t replicate, std::size_t component, double wavelength_nm) {
+    return spectral_channel("Sum" + std::to_string(replicate) + "_S" + std::to_string(component),
+                            wavelength_nm);
+}
+std::string kept_channel(std::size_t replicate) {
+    return "Sum" + std::to_string(replicate) + ".kept";
+}
+
+template <class T>
+void add(Image& image, const std::string& name, const std::vector<T>& values) {
+    std::transform(values.begin(), values.end(), image.channel(name).begin(),
+                   [](T value) { return static_cast<float>(value); });
+}
+
+const std::vector<float>& channel(const Image& image, const std::string& name) {
+    const auto found = image.channels.find(name);
+    if (found == image.channels.end()) throw Error("channel '" + name + "' is missing");
+    return found->second;
+}
+
+template <class T>
+void take(const Image& image, const std::string& name, T least, std::vector<T>& values) {
+    const std::vector<float>& data = channel(image, name);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+        // Floats that hold counts; what is beyond 2³¹ is none.
+        if (!(data[i] >= static_cast<float>(least) && data[i] < 0x1p31f))
+            throw Error("channel '" + name + "' holds " + std::to_string(data[i]));
+        values[i] = static_cast<T>(data[i]);
+    }
+}
+
+std::uint32_t replicates_of(const Image& image) {
+    std::uint32_t count = 0;
+    while (image.channels.count(kept_channel(count))) ++count;
+    return count;
+}
+
+std::vector<double> exposure_wavelengths(const Image& image) {
+    std::vector<double> list;
+    for (const auto& [name, data] : image.channels) {
+        const auto parsed = parse_spectral_channel(name);
+        if (parsed && parsed->quantity == "Sum0_S0") list.push_back(parsed->wavelength_nm);
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+}
+
+Exposure exposure_of(const Image& image) {
+    Exposure e(image.width, image.height, exposure_wavelengths(image), replicates_of(image));
+    take(image, "Sum.taken", 0u, e.taken);
+    take(image, "Sum.wanted", 0u, e.wanted);
+    take(image, "Sum.covered", 0u, e.covered);
+    take(image, "Sum.distance", 0.0f, e.distance);
+    take(image, "Sum.instance", -1, e.instance);
+    take(image, "Sum.votes", 0u, e.votes);
+    for (std::size_t r = 0; r < e.replicates; ++r) {
+        const std::vector<float>& kept = channel(image, kept_channel(r));
+        for (std::size_t i = 0; i < e.pixel_count(); ++i) {
+            if (!(kept[i] >= 0 && kept[i] <= static_cast<float>(e.taken[i])) ||
+                e.taken[i] != checkpoint(e.taken[i]))
+                throw Error("its counts of samples contradict each other");
+            e.kept[i * e.replicates + r] = static_cast<std::uint32_t>(kept[i]);
+        }
+    }
+    const std::size_t wavelengths = e.wavelengths_nm.size();
+    for (std::size_t r = 0; r < e.replicates; ++r)
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t w = 0; w < wavelengths; ++w) {
+                const std::string name = sum_channel(r, c, e.wavelengths_nm[w]);
+                const std::vector<float>& data = channel(image, name);
+                for (std::size_t i = 0; i < data.size(); ++i) {
+                    if (!std::isfinite(data[i]))
+                        throw Error("channel '" + name + "' is not finite");
+                    e.stokes[((i * e.replicates + r) * 4 + c) * wavelengths + w] = data[i];
+                }
+            }
+    return e;
+}
+
+}  // namespace
+
+bool is_exposure_channel(const std::string& name) {
+    if (!name.starts_with("Sum")) return false;
+    const std::size_t end = name.find_first_not_of("0123456789", 3);
+    return end != std::string::npos && (name[end] == '.' || name[end] == '_');
+}
+
+bool is_picture_channel(const std::string& name) {
+    return !is_exposure_channel(name);
+}
+
+void add_exposure(Image& image, const Exposure& e) {
+    add(image, "Sum.taken", e.taken);
+    add(image, "Sum.wanted", e.wanted);
+    add(image, "Sum.covered", e.covered);
+    add(image, "Sum.distance", e.distance);
+    add(image, "Sum.instance", e.instance);
+    add(image, "Sum.votes", e.votes);
+    const std::size_t wavelengths = e.wavelengths_nm.size();
+    for (std::size_t r = 0; r < e.replicates; ++r) {
+        std::vector<float>& kept = image.channel(kept_channel(r));
+        for (std::size_t i = 0; i < kept.size(); ++i)
+            kept[i] = static_cast<float>(e.kept[i * e.replicates + r]);
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t w = 0; w < wavelengths; ++w)
+                image.borrowed[sum_channel(r, c, e.wavelengths_nm[w])] = {
+                    e.stokes.data() + (r * 4 + c) * wavelengths + w,
+                    e.replicates * e.replicate_stride()};
+    }
+}
+
+Exposure read_exposure(const std::filesystem::path& path) {
+    const Image image = read_exr(path, is_exposure_channel);
+    try {
+        if (image.channels.empty())
+            throw Error("it holds no sums of samples (rendered with --final, or merged)");
+        return exposure_of(image);
+    } catch (const Error& problem) {
+        throw Error(path.string() + ": cannot be gone on with: " + problem.what() +
+                    "; render it anew");
+    }
+}
+
+}  // namespace malus
