@@ -88,8 +88,8 @@ class Job {
             for_each_pixel(t, [&](int, int, std::size_t index) {
                 pixel.load(exposure(), index);
                 pixel.develop(result_.film, index);
+                plan_.measure(result_.film, index);
             });
-            plan_.measure(result_.film, t);
         });
     }
 
@@ -103,7 +103,6 @@ class Job {
             for_each_pixel(tiles[i], [&](int x, int y, std::size_t index) {
                 expose_pixel(x, y, index, worker);
             });
-            plan_.measure(result_.film, tiles[i]);
             tell_progress(worker.paths - before, total);
         });
         samples_ += static_cast<double>(round_samples_);
@@ -126,6 +125,7 @@ class Job {
         }
         pixel.store(exposure(), index);
         pixel.develop(result_.film, index);
+        plan_.measure(result_.film, index);
     }
 
     void sample(int x, int y, std::uint32_t replicate, Worker& worker) {

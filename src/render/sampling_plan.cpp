@@ -14,13 +14,18 @@ constexpr std::uint32_t kPilot = 4;  // samples a replicate before errors are be
 constexpr double kShare = 0.95;      // of the pixels that must meet the target
 constexpr double kGiveUp = 0.025;    // of the pixels: the hardest, left at the mean of all
 constexpr double kFall = 0.7;        // of the goal from round to round
-// Where a tile's true error is E, 97.5 % of the estimates (7 degrees of freedom) are below 1.5 E.
+// Where the true error is E everywhere, 97.5 % of its estimates (7 degrees of freedom) are below
+// 1.5 E.
 constexpr double kSpread = 1.5;
-constexpr double kSlope = 0.6;  // error ~ samples^-slope, to foresee what a tile needs
+// What the neighbours say of a pixel counts a little more than what it says itself: where few
+// samples carry the light, most pixels take their error for too small. So the target was met by the
+// true errors, too (RMS over 30 seeds, 95 % of the pixels); without, they were 1.3 times as large.
+constexpr double kNeighbours = 1.2;
+constexpr double kSlope = 0.6;  // error ~ samples^-slope, to foresee what a pixel needs
 
 // Half of an octave on: 1, 2, 3, 4, 6, 8, 12, …
 std::uint32_t next_level(std::uint32_t samples) {
-    std::uint32_t level = std::bit_floor(std::max(1u, samples));
+    const std::uint32_t level = std::bit_floor(std::max(1u, samples));
     if (level > samples) return level;
     const std::uint32_t middle = level + level / 2;
     return middle > samples ? middle : 2 * level;
@@ -30,56 +35,32 @@ std::uint32_t next_level(std::uint32_t samples) {
 
 SamplingPlan::SamplingPlan(const RenderSettings& settings, const Exposure& exposure)
     : settings_(settings),
-      width_(static_cast<std::size_t>(settings.width)),
+      width_(settings.width),
+      height_(settings.height),
       cap_(whole_spp(settings.spp, exposure.replicates) / exposure.replicates) {
-    for (int y = 0; y < settings.height; y += kTileSide)
-        for (int x = 0; x < settings.width; x += kTileSide)
-            tiles_.push_back({x, y, std::min(x + kTileSide, settings.width),
-                              std::min(y + kTileSide, settings.height)});
-    tile_error_.resize(tiles_.size());
-    surface_.resize(tiles_.size());
-    if (adaptive()) pixel_error_.resize(exposure.pixel_count(), -1.0f);
+    for (int y = 0; y < height_; y += kTileSide)
+        for (int x = 0; x < width_; x += kTileSide)
+            tiles_.push_back(
+                {x, y, std::min(x + kTileSide, width_), std::min(y + kTileSide, height_)});
+    if (adaptive()) error_.resize(exposure.pixel_count(), -1.0f);
 }
 
-template <class Visit>
-void SamplingPlan::for_each_pixel(std::size_t t, Visit visit) const {
-    const Tile& tile = tiles_[t];
-    for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x)
-            visit(static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x));
-}
-
-void SamplingPlan::measure(const Film& film, std::size_t t) {
-    if (!adaptive()) return;
-    const std::size_t wavelengths = film.wavelengths_nm.size();
-    std::vector<double> s0(wavelengths), dolp(wavelengths);  // sums of squares
-    surface_[t] = 0;
-    for_each_pixel(t, [&](std::size_t i) {
-        const std::optional<double> error = pixel_error(film, i);
-        pixel_error_[i] = error ? static_cast<float>(*error) : -1.0f;
-        if (!error) return;
-        ++surface_[t];
-        for (std::size_t w = 0; w < wavelengths; ++w) {
-            s0[w] += sqr(relative_stderr_s0(film.at(i, w)));
-            dolp[w] += sqr(stderr_dolp(film.at(i, w)));
-        }
-    });
-    const double largest = std::max(*std::max_element(s0.begin(), s0.end()),
-                                    *std::max_element(dolp.begin(), dolp.end()));
-    tile_error_[t] = surface_[t] ? static_cast<float>(std::sqrt(largest / surface_[t])) : 0;
-}
-
-std::size_t SamplingPlan::first_pixel(std::size_t t) const {
-    return static_cast<std::size_t>(tiles_[t].y0) * width_ + static_cast<std::size_t>(tiles_[t].x0);
+void SamplingPlan::measure(const Film& film, std::size_t pixel) {
+    if (adaptive()) error_[pixel] = static_cast<float>(pixel_error(film, pixel).value_or(-1));
 }
 
 std::vector<std::size_t> SamplingPlan::round(const Exposure& exposure) const {
+    const auto wants = [&](const Tile& tile) {
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const std::size_t i = index(x, y);
+                if (exposure.taken[i] < exposure.wanted[i]) return true;
+            }
+        return false;
+    };
     std::vector<std::size_t> tiles;
-    for (std::size_t t = 0; t < tiles_.size(); ++t) {
-        bool wants = false;
-        for_each_pixel(t, [&](std::size_t i) { wants |= exposure.taken[i] < exposure.wanted[i]; });
-        if (wants) tiles.push_back(t);
-    }
+    for (std::size_t t = 0; t < tiles_.size(); ++t)
+        if (wants(tiles_[t])) tiles.push_back(t);
     return tiles;
 }
 
@@ -102,84 +83,94 @@ std::optional<StoppedBy> SamplingPlan::plan_evenly(Exposure& exposure, std::uint
 }
 
 std::optional<StoppedBy> SamplingPlan::plan_adaptively(Exposure& exposure) const {
-    const double error = error_of_most();
+    const std::vector<double> smoothed = smoothed_errors();
+    const double error = error_of_most(smoothed);
     if (error <= settings_.target_error) return StoppedBy::kTargetError;
+    if (beyond_help(exposure)) return StoppedBy::kSamples;
     double goal = std::max(settings_.target_error, kFall * error) / kSpread;
-    // Scattered bad pixels in good tiles may keep the target from being met: then lower the goal.
-    for (;; goal *= 0.9) {
-        if (beyond_help(exposure)) return StoppedBy::kSamples;
-        const std::vector<std::size_t> tiles = above(goal, exposure);
-        if (tiles.empty()) continue;
-        for (std::size_t t : tiles)
-            for_each_pixel(t, [&](std::size_t i) {
-                exposure.wanted[i] = std::min(cap_, next_level(exposure.taken[i]));
-            });
-        return std::nullopt;
-    }
+    std::vector<std::size_t> pixels;
+    // Scattered bad pixels in good places may keep the target from being met: then the goal falls.
+    for (; pixels.empty(); goal *= 0.9) pixels = above(goal, smoothed, exposure);
+    for (std::size_t i : pixels) exposure.wanted[i] = std::min(cap_, next_level(exposure.taken[i]));
+    return std::nullopt;
 }
 
 // Have more pixels than may miss the target had all the samples they can get?
 bool SamplingPlan::beyond_help(const Exposure& exposure) const {
     double surface = 0, lost = 0, open = 0;
-    for (std::size_t i = 0; i < exposure.pixel_count(); ++i) {
-        if (pixel_error_[i] < 0) continue;
+    for (std::size_t i = 0; i < error_.size(); ++i) {
+        if (error_[i] < 0) continue;
         const bool capped = exposure.taken[i] >= cap_;
         surface += 1;
-        open += !capped;
-        lost += capped && static_cast<double>(pixel_error_[i]) > settings_.target_error;
+        open += !capped && error_[i] > 0;
+        lost += capped && static_cast<double>(error_[i]) > settings_.target_error;
     }
     return open == 0 || lost > (1 - kShare) * surface;
 }
 
-double SamplingPlan::error_of_most() const {
+double SamplingPlan::error_of_most(const std::vector<double>& smoothed) const {
     std::vector<double> errors;
-    for (float e : pixel_error_)
-        if (e >= 0) errors.push_back(static_cast<double>(e));
+    for (std::size_t i = 0; i < error_.size(); ++i)
+        if (error_[i] >= 0)
+            errors.push_back(std::max(static_cast<double>(error_[i]), kNeighbours * smoothed[i]));
     return quantile(std::move(errors), kShare);
 }
 
-std::vector<std::size_t> SamplingPlan::above(double goal, const Exposure& exposure) const {
+std::vector<double> SamplingPlan::smoothed_errors() const {
+    std::vector<double> smoothed(error_.size(), -1.0);
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            double squares = 0, weights = 0;
+            for (int v = std::max(0, y - 1); v <= std::min(height_ - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(width_ - 1, x + 1); ++u) {
+                    const double e = static_cast<double>(error_[index(u, v)]);
+                    if (e < 0) continue;
+                    const double weight = (u == x ? 2 : 1) * (v == y ? 2 : 1);
+                    squares += weight * sqr(e), weights += weight;
+                }
+            if (error_[index(x, y)] >= 0) smoothed[index(x, y)] = std::sqrt(squares / weights);
+        }
+    return smoothed;
+}
+
+std::vector<std::size_t> SamplingPlan::above(double goal, const std::vector<double>& smoothed,
+                                             const Exposure& exposure) const {
     struct Candidate {
-        std::size_t tile;
+        std::size_t pixel;
         double need;  // samples a replicate
     };
     std::vector<Candidate> candidates;
     double surface = 0, samples = 0;
-    for (std::size_t t = 0; t < tiles_.size(); ++t) {
-        const double n = exposure.taken[first_pixel(t)],
-                     error = static_cast<double>(tile_error_[t]);
-        surface += surface_[t];
-        samples += surface_[t] * n;
-        if (error > goal && exposure.taken[first_pixel(t)] < cap_)
-            candidates.push_back({t, n * std::pow(error / goal, 1 / kSlope)});
+    for (std::size_t i = 0; i < smoothed.size(); ++i) {
+        if (smoothed[i] < 0) continue;
+        const double n = exposure.taken[i];
+        surface += 1, samples += n;
+        if (smoothed[i] > goal && exposure.taken[i] < cap_)
+            candidates.push_back({i, n * std::pow(smoothed[i] / goal, 1 / kSlope)});
     }
-    std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-        return std::tie(a.need, a.tile) > std::tie(b.need, b.tile);
-    });
-    std::vector<std::size_t> tiles;
-    double given_up = 0;
-    for (const Candidate& c : candidates) {
-        given_up += surface_[c.tile];
-        const bool hard = given_up <= kGiveUp * surface;
-        if (!hard || exposure.taken[first_pixel(c.tile)] * surface < samples)
-            tiles.push_back(c.tile);
-    }
-    return tiles;
+    const auto hard = static_cast<std::ptrdiff_t>(
+        std::min(kGiveUp * surface, static_cast<double>(candidates.size())));
+    std::nth_element(candidates.begin(), candidates.begin() + hard, candidates.end(),
+                     [](const Candidate& a, const Candidate& b) {
+                         return std::tie(a.need, a.pixel) > std::tie(b.need, b.pixel);
+                     });
+    std::vector<std::size_t> pixels;
+    for (auto c = candidates.begin(); c != candidates.end(); ++c)
+        if (c - candidates.begin() >= hard || exposure.taken[c->pixel] * surface < samples)
+            pixels.push_back(c->pixel);
+    return pixels;
 }
 
 double SamplingPlan::left_after_round(const Exposure& exposure) const {
+    const double goal = settings_.target_error / kSpread;
     double left = 0;
-    for (std::size_t t = 0; t < tiles_.size(); ++t) {
-        const double n = exposure.wanted[first_pixel(t)];
-        const double ratio =
-            settings_.target_error > 0
-                ? kSpread * static_cast<double>(tile_error_[t]) / settings_.target_error
-                : HUGE_VAL;
-        const double need =
-            adaptive() ? exposure.taken[first_pixel(t)] * std::pow(ratio, 1 / kSlope) : HUGE_VAL;
-        const Tile& tile = tiles_[t];
-        left += (tile.x1 - tile.x0) * (tile.y1 - tile.y0) *
-                std::max(0.0, std::min<double>(cap_, need) - n);
+    for (std::size_t i = 0; i < exposure.pixel_count(); ++i) {
+        double need = cap_;
+        if (adaptive() && goal > 0 && error_[i] < goal)
+            need = 0;
+        else if (adaptive() && goal > 0)
+            need = exposure.taken[i] * std::pow(static_cast<double>(error_[i]) / goal, 1 / kSlope);
+        left += std::max(0.0, std::min<double>(need, cap_) - exposure.wanted[i]);
     }
     return left * exposure.replicates;
 }

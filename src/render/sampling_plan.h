@@ -1,15 +1,15 @@
 // sampling_plan.h — where the next samples go.
 //
-//   e_i = max over wavelengths of max(SE(DoLP), SE(S0)/S0)           error of pixel i
-//   E_t = the same of tile t, of root mean squares over its pixels
+//   e_i = max over wavelengths of max(SE(DoLP), SE(S0)/S0)    error of pixel i (pixel_error, film.h)
+//   s_i = root of the mean of e² over 3 × 3 pixels, weights 1 2 1 across and down
 //
 // A fixed number of samples is reached in rounds over the whole picture, each of twice the samples.
-// With a target or a time limit, a round serves the tiles with E_t above a goal, which falls from
-// round to round down to the target: the target is met when 95 % of the e_i are at or below it.
-// The hardest tiles, up to 2.5 % of the pixels, get no more samples than the mean of all.
+// With a target or a time limit, a round serves the pixels with s_i above a goal, which falls from
+// round to round down to the target, which is met when 95 % of max(e_i, 1.2 s_i) are at or below it.
+// The hardest 2.5 % of the pixels get no more samples than the mean of all.
 //
-// No bias worth the name: whether a pixel goes on is decided by the spread in its tile's 16 pixels,
-// not by the pixel's own.
+// No bias worth the name: whether a pixel goes on is decided by the spread of nine pixels, of which
+// its own counts a quarter.
 // Both   only of pixels that show a surface. A plan depends on exposure and film alone, so that a
 //        render that goes on decides as one that never stopped.
 // SPDX-License-Identifier: Apache-2.0
@@ -34,8 +34,8 @@ class SamplingPlan {
     std::size_t tile_count() const { return tiles_.size(); }
     const Tile& tile(std::size_t t) const { return tiles_[t]; }
 
-    /// Takes notice of the film in this tile; to be called whenever its samples have changed.
-    void measure(const Film& film, std::size_t tile);
+    /// Takes notice of a pixel of the film; to be called whenever its samples have changed.
+    void measure(const Film& film, std::size_t pixel);
 
     /// Sets exposure.wanted for the next round; says why when there is none.
     std::optional<StoppedBy> plan_round(Exposure& exposure) const;
@@ -48,20 +48,21 @@ class SamplingPlan {
     bool adaptive() const { return settings_.target_error > 0 || settings_.time_limit_s > 0; }
     std::optional<StoppedBy> plan_evenly(Exposure& exposure, std::uint32_t least) const;
     std::optional<StoppedBy> plan_adaptively(Exposure& exposure) const;
-    std::vector<std::size_t> above(double goal, const Exposure& exposure) const;
+    std::vector<std::size_t> above(double goal, const std::vector<double>& smoothed,
+                                   const Exposure& exposure) const;
     bool beyond_help(const Exposure& exposure) const;
-    double error_of_most() const;
-    std::size_t first_pixel(std::size_t tile) const;
-    template <class Visit>
-    void for_each_pixel(std::size_t tile, Visit visit) const;
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+               static_cast<std::size_t>(x);
+    }
+    std::vector<double> smoothed_errors() const;
+    double error_of_most(const std::vector<double>& smoothed) const;
 
     const RenderSettings& settings_;
-    std::size_t width_;
+    int width_, height_;
     std::uint32_t cap_;  // samples a replicate
     std::vector<Tile> tiles_;
-    std::vector<float> tile_error_;       // E_t
-    std::vector<std::uint32_t> surface_;  // pixels of the tile that show a surface
-    std::vector<float> pixel_error_;      // e_i; −1 where none shows
+    std::vector<float> error_;  // e_i; −1 where no surface shows
 };
 
 }  // namespace malus
