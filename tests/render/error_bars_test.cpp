@@ -2,7 +2,8 @@
 //
 // A small picture of a panel is rendered with 200 seeds. Each pixel's deviation from the quadrature
 // (support/reference.h), in units of the pixel's own standard error, should spread as Student's t
-// with 7 degrees of freedom: deviation √(7/5) = 1.183, and 95 % within ±2.365.
+// with one degree of freedom less than replicates: with 8, deviation √(7/5) = 1.183 and 95 % within
+// ±2.365; with 32, √(31/29) = 1.034 and ±2.040.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <fstream>
@@ -55,28 +56,38 @@ const std::vector<Quantity>& quantities() {
     return list;
 }
 
+// Replicates, and the 97.5 % quantile of Student's t for them (Abramowitz & Stegun, table 26.10).
+struct Student {
+    std::uint32_t replicates;
+    double quantile;
+    double deviation() const { return std::sqrt((replicates - 1.0) / (replicates - 3.0)); }
+};
+constexpr Student kEight{8, 2.3646}, kThirtyTwo{32, 2.0395};
+
 // z-scores of one quantity.
 struct Scores {
+    const Student& student;
     double count = 0, sum = 0, squares = 0, within = 0;
 
     void add(double z) {
-        constexpr double kStudent95 = 2.3646;  // 97.5 % quantile of t, 7 degrees
-        count += 1, sum += z, squares += z * z, within += std::abs(z) < kStudent95 ? 1 : 0;
+        count += 1, sum += z, squares += z * z, within += std::abs(z) < student.quantile ? 1 : 0;
     }
     double mean() const { return sum / count; }
     double deviation() const { return std::sqrt(squares / count - sqr(mean())); }
     double coverage() const { return within / count; }
 };
 
-constexpr const char* kScoreColumns = "paint,wavelengths,nm,quantity,mean,deviation,coverage\n";
+constexpr const char* kScoreColumns =
+    "paint,replicates,wavelengths,nm,quantity,mean,deviation,coverage\n";
 
 void check_error_bars(const Material& paint, const std::vector<double>& wavelengths,
-                      std::ofstream& csv) {
+                      const Student& student, std::ofstream& csv) {
     const PreparedScene scene(panel_scene(), {0}, {paint},
                               sample_sky(smooth_sky(), wavelengths, 180, 720), wavelengths);
     const Camera camera = look_at({0, 0, 0}, 45, 20, 1e-4);
     RenderSettings settings;
     settings.width = settings.height = 4, settings.spp = 1024;
+    settings.replicates = student.replicates;
     std::vector<Film> films;
     for (settings.seed = 0; settings.seed < 200; ++settings.seed)
         films.push_back(render(scene, camera, settings).film);
@@ -87,23 +98,23 @@ void check_error_bars(const Material& paint, const std::vector<double>& waveleng
             // Light that is hardly polarized (black paint up to 493 nm) has no axis, and a DoLP that
             // noise can only raise.
             if ((angle || q.name == std::string("DoLP")) && dolp(right.mean) < 0.01) continue;
-            Scores scores;
+            Scores scores{student};
             for (const Film& film : films)
                 for (std::size_t i = 0; i < film.pixel_count(); ++i) {
                     const double off = q.value(film.at(i, w)) - q.value(right);
                     scores.add((angle ? std::remainder(off, kPi) : off) / q.error(film.at(i, w)));
                 }
-            CAPTURE(paint.name, wavelengths.size(), wavelengths[w], q.name, scores.mean(),
-                    scores.deviation(), scores.coverage());
-            csv << paint.name << ',' << wavelengths.size() << ',' << wavelengths[w] << ',' << q.name
-                << ',' << scores.mean() << ',' << scores.deviation() << ',' << scores.coverage()
-                << '\n';
+            CAPTURE(paint.name, student.replicates, wavelengths.size(), wavelengths[w], q.name,
+                    scores.mean(), scores.deviation(), scores.coverage());
+            csv << paint.name << ',' << student.replicates << ',' << wavelengths.size() << ','
+                << wavelengths[w] << ',' << q.name << ',' << scores.mean() << ','
+                << scores.deviation() << ',' << scores.coverage() << '\n';
             // 3200 scores know their mean to 0.021, their deviation to 1.8 %, the coverage to
             // 0.4 %: false alarms under 1e-4 a number.
             // S3 of this sky is small and skewed: its mean over few replicates goes with their
             // spread, which shifts the scores; the numbers themselves have no bias (below).
             if (q.name != std::string("S3")) CHECK(std::abs(scores.mean()) < 0.1);
-            CHECK(scores.deviation() == Approx(std::sqrt(7.0 / 5)).epsilon(0.1));
+            CHECK(scores.deviation() == Approx(student.deviation()).epsilon(0.1));
             CHECK(scores.coverage() == near(0.95, 0.02));
         }
     }
@@ -123,16 +134,20 @@ double mean(const std::vector<double>& x) {
 TEST_CASE("Error bars: over 200 seeds z-scores spread as Student's t, one wavelength", "[render]") {
     std::ofstream csv(MALUS_TEST_OUTPUT "/error_bars_1.csv");
     csv << kScoreColumns;
-    for (double nm : {440.0, 550.0, 600.0}) check_error_bars(green_paint(), {nm}, csv);
-    check_error_bars(black_paint(), {600}, csv);
+    for (const Student& student : {kEight, kThirtyTwo}) {
+        for (double nm : {440.0, 550.0, 600.0}) check_error_bars(green_paint(), {nm}, student, csv);
+        check_error_bars(black_paint(), {600}, student, csv);
+    }
 }
 
 TEST_CASE("Error bars: over 200 seeds z-scores spread as Student's t, sixteen wavelengths",
           "[render]") {
     std::ofstream csv(MALUS_TEST_OUTPUT "/error_bars_16.csv");
     csv << kScoreColumns;
-    check_error_bars(green_paint(), sixteen_wavelengths(), csv);
-    check_error_bars(black_paint(), sixteen_wavelengths(), csv);
+    for (const Student& student : {kEight, kThirtyTwo}) {
+        check_error_bars(green_paint(), sixteen_wavelengths(), student, csv);
+        check_error_bars(black_paint(), sixteen_wavelengths(), student, csv);
+    }
 }
 
 TEST_CASE("No bias: over four decades of samples the mean of 200 pictures nears the quadrature",
