@@ -8,7 +8,6 @@
 
 #include "cli/commands.h"
 #include "malus/core/error.h"
-#include "malus/io/exposure_image.h"
 #include "malus/io/gltf.h"
 #include "malus/io/material_file.h"
 #include "malus/io/sky_file.h"
@@ -126,7 +125,7 @@ void describe(const std::string& path) {
         throw Error(path +
                     ": no kind of file that malus knows; name a scene (.gltf, .glb), paints "
                     "(.json), a sky (.exr, .csv) or a rendered image (.exr)");
-    const Image image = read_exr(path, is_picture_channel);
+    const Image image = read_exr(path);
     const std::string* frame = image.text("stokesReferenceFrame");
     if (frame && *frame == "meridian") return describe_sky(path);
     describe_image(path, image);

@@ -10,7 +10,7 @@
 #include "cli/render_output.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
-#include "malus/io/exposure_image.h"
+#include "malus/io/exposure_file.h"
 #include "malus/io/file.h"
 
 namespace malus::cli {
@@ -44,6 +44,7 @@ void check_outputs(RenderOptions& options) {
     check_exr_name(options.output);
     check_writable(options.output);
     check_distinct(options.output, others);
+    if (!options.final) check_writable(sums_path(options.output));
     if (options.stats.empty()) return;
     others.insert(others.end(), {options.output, options.resume});
     check_writable(options.stats);
@@ -73,13 +74,21 @@ RenderSettings final_settings(const RenderOptions& options) {
 Exposure begun(const RenderOptions& options, const Image& header, const RenderSettings& settings) {
     if (options.resume.empty()) return {};
     const std::string place = options.resume + ": --resume: ";
-    const Image other = read_exr(options.resume, [](const std::string&) { return false; });
+    const Image other = read_exr_header(options.resume);
     if (const std::string what = first_difference(header, other); !what.empty())
         throw Error(place + "it is of " + what + "; give what it was rendered with");
     if (header.attributes.at("seed") != other.attributes.at("seed"))
         throw Error(place + "it has seed " + std::get<std::string>(other.attributes.at("seed")) +
                     "; give --seed with that, or merge renders of different seeds");
-    Exposure exposure = read_exposure(options.resume);
+    const std::string* sums = other.text("sumsHash");
+    if (!sums)
+        throw Error(place +
+                    "it has no sums to go on from (rendered with --final, or merged); render "
+                    "it anew");
+    Exposure exposure = read_exposure(sums_path(options.resume));
+    if (fingerprint(exposure) != *sums)
+        throw Error(place + "the sums in " + sums_path(options.resume).string() +
+                    " are of another render; render it anew");
     if (exposure.replicates != settings.replicates)
         throw Error(place + "it has " + std::to_string(exposure.replicates) +
                     " replicates; give --replicates with that");
@@ -269,7 +278,8 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "Add samples to this image of the same scene and options, as if its render had "
                    "never stopped (--spp, --target-error: of all its samples together)");
     sub.add_flag("--final", o.final,
-                 "Leave out of the image what --resume needs: a file of a quarter of the size");
+                 "Do not write OUT.exr.sums, the sums of samples beside the image that --resume "
+                 "needs (128 bytes a pixel and wavelength)");
     sub.add_flag("--debias", o.debias,
                  "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                  "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "

@@ -8,7 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/provenance.h"
-#include "malus/io/exposure_image.h"
+#include "malus/io/exposure_file.h"
 #include "malus/optics/wavelengths.h"
 
 namespace malus::cli {
@@ -107,7 +107,10 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
                            options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.insert(header.attributes.begin(), header.attributes.end());
     image.attributes["stoppedBy"] = to_text(result.stopped_by);
-    if (!options.final) add_exposure(image, result.exposure);
+    if (!options.final) {
+        image.attributes["sumsHash"] = fingerprint(result.exposure);
+        write_exposure(sums_path(path), result.exposure);
+    }
     write_exr(path, image);
 }
 
@@ -122,6 +125,7 @@ double seconds_to_write(const RenderResult& result, const Labels& labels,
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::error_code ignored;
     std::filesystem::remove(trial, ignored);
+    std::filesystem::remove(sums_path(trial), ignored);
     return seconds * result.film.height / rows;
 }
 

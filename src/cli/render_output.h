@@ -14,7 +14,7 @@ namespace malus::cli {
 Image make_header(const RenderOptions& options, const Inputs& inputs,
                   const RenderSettings& settings, const std::string& command_line);
 
-/// The image and, unless --final, what --resume needs.
+/// The image and, unless --final, beside it the sums that --resume needs.
 void write_image(const std::string& path, const RenderResult& result, const Labels& labels,
                  const RenderOptions& options, const Image& header);
 

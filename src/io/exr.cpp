@@ -66,7 +66,9 @@ void check_size(const Imath::Box2i& window) {
         throw Error("the picture is empty or has over 2³¹ pixels");
 }
 
-Image read_part(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
+enum class Wanted { kAll, kHeader };
+
+Image read_part(const fs::path& path, Wanted wanted) {
     Imf::MultiPartInputFile parts(path.c_str());
     if (parts.parts() != 1)
         throw Error("it has " + std::to_string(parts.parts()) + " parts, not one");
@@ -78,18 +80,30 @@ Image read_part(const fs::path& path, const std::function<bool(const std::string
     image.width = window.max.x - window.min.x + 1;
     image.height = window.max.y - window.min.y + 1;
     collect_attributes(header, image);
+    if (wanted == Wanted::kHeader) return image;
     Imf::FrameBuffer frame;
     const Imf::ChannelList& channels = header.channels();
     for (auto c = channels.begin(); c != channels.end(); ++c) {
-        if (wanted && !wanted(c.name())) continue;
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
             throw Error("channel '" + std::string(c.name()) + "' is subsampled");
         frame.insert(c.name(), slice(image.channel(c.name()).data(), window));
     }
-    if (image.channels.empty()) return image;
     file.setFrameBuffer(frame);
     file.readPixels(window.min.y, window.max.y);
     return image;
+}
+
+Image read(const fs::path& path, Wanted wanted) {
+    std::error_code error;
+    if (!fs::exists(path, error)) throw Error(path.string() + ": file not found; check the name");
+    if (!fs::is_regular_file(path, error) || !Imf::isOpenExrFile(path.c_str()))
+        throw Error(path.string() + ": not an OpenEXR file; name one");
+    try {
+        return read_part(path, wanted);
+    } catch (const std::exception& problem) {
+        throw Error(path.string() + ": cannot be read (" + one_line(problem.what()) +
+                    "); the file may be damaged or cut off, make it again");
+    }
 }
 
 }  // namespace
@@ -110,17 +124,12 @@ const float* Image::number(const std::string& attribute) const {
     return found == attributes.end() ? nullptr : std::get_if<float>(&found->second);
 }
 
-Image read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
-    std::error_code error;
-    if (!fs::exists(path, error)) throw Error(path.string() + ": file not found; check the name");
-    if (!fs::is_regular_file(path, error) || !Imf::isOpenExrFile(path.c_str()))
-        throw Error(path.string() + ": not an OpenEXR file; name one");
-    try {
-        return read_part(path, wanted);
-    } catch (const std::exception& problem) {
-        throw Error(path.string() + ": cannot be read (" + one_line(problem.what()) +
-                    "); the file may be damaged or cut off, make it again");
-    }
+Image read_exr(const fs::path& path) {
+    return read(path, Wanted::kAll);
+}
+
+Image read_exr_header(const fs::path& path) {
+    return read(path, Wanted::kHeader);
 }
 
 void check_exr_name(const fs::path& path) {
@@ -131,10 +140,11 @@ void check_exr_name(const fs::path& path) {
                     "pictures of it)");
 }
 
-void write_exr(const fs::path& path, const Image& image) {
+void write_exr(const fs::path& path, const Image& image, Compression compression) {
     const Imath::Box2i window({0, 0}, {image.width - 1, image.height - 1});
     Imf::Header header(window, window);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    header.compression() =
+        compression == Compression::kZip ? Imf::ZIP_COMPRESSION : Imf::NO_COMPRESSION;
     for (const auto& [name, value] : image.attributes) insert(header, name, value);
     Imf::FrameBuffer frame;
     for (const auto& [name, data] : image.channels) {

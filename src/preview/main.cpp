@@ -15,7 +15,6 @@
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
-#include "malus/io/exposure_image.h"
 #include "malus/io/sky_file.h"
 #include "malus/io/spectral_image.h"
 #include "malus/optics/wavelengths.h"
@@ -189,7 +188,7 @@ bool is_sky(const Image& image) {
 
 void run(const Options& options) {
     if (is_csv(options.input)) return preview_sky(read_sky(options.input), options);
-    const Image image = read_exr(options.input, is_picture_channel);
+    const Image image = read_exr(options.input);
     if (is_sky(image)) return preview_sky(read_sky(options.input), options);
     preview_image(image, options);
 }

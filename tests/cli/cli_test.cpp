@@ -430,8 +430,16 @@ TEST_CASE("Resume: what does not belong to the image is refused, and it stays as
     refused("--assign panel=black_paint", same, {"other paints"});
     refused("--wavelengths 440", same, {"other wavelengths", "440 nm, 440, 550, 600 nm"});
     CHECK(read_text(image) == before);
+    REQUIRE(run(small_render(image, "--quiet", "--width 8 --height 8 --spp 24")).exit_code == 0);
+    const std::string sums = read_text(image + ".sums");
+    REQUIRE(run(small_render(image, "--quiet")).exit_code == 0);
+    write_text(image + ".sums", sums);
+    refused("", same, {"image.exr.sums are of another render", "anew"});
+    fs::remove(image + ".sums");
+    refused("", same, {"image.exr.sums: file not found"});
     REQUIRE(run(small_render(image, "--final --quiet")).exit_code == 0);
-    refused("", same, {"no sums of samples", "--final", "anew"});
+    CHECK_FALSE(fs::exists(image + ".sums"));
+    refused("", same, {"no sums", "--final", "anew"});
     write_text(image, "not an image");
     refused("", same, {"not an OpenEXR file"});
     CHECK(run("render " + shipped("scenes/panel.gltf") + " --sky x --materials y").exit_code == 2);
@@ -451,7 +459,7 @@ TEST_CASE("Time limit: the command ends on time with an image of what it got", "
     CHECK(seconds == near(3, 0.3));
     CHECK_THAT(read_text(stats), Contains("\"stopped_by\": \"time-limit\""));
     CHECK(*read_exr(image).text("stoppedBy") == "time-limit");
-    CHECK(std::distance(fs::directory_iterator(fs::path(image).parent_path()), {}) == 2);
+    CHECK(std::distance(fs::directory_iterator(fs::path(image).parent_path()), {}) == 3);
     // Each pixel gets its first samples, however short the time.
     REQUIRE(run(small_render(image, "--time-limit 0.001", "--width 20 --height 20")).exit_code ==
             0);

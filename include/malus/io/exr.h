@@ -1,11 +1,10 @@
 // exr.h — named float channels and attributes in an OpenEXR file.
 //
-// Written as one part of scanlines, ZIP, 32-bit float, dataWindow = displayWindow.
+// Written as one part of scanlines, 32-bit float, ZIP or uncompressed, dataWindow = displayWindow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <string>
 #include <variant>
@@ -37,15 +36,19 @@ struct Image {
     const float* number(const std::string& attribute) const;      ///< nullptr if absent
 };
 
-/// With the channels whose names are `wanted`; without it, with all. Throws Error when the file is
-/// missing, not OpenEXR, damaged, tiled in levels or of many parts.
-Image read_exr(const std::filesystem::path& path,
-               const std::function<bool(const std::string&)>& wanted = {});
+/// Throws Error when the file is missing, not OpenEXR, damaged, tiled in levels or of many parts.
+Image read_exr(const std::filesystem::path& path);
+/// The same without channels.
+Image read_exr_header(const std::filesystem::path& path);
 
 /// Throws Error unless the name ends in .exr: what is written is one, whatever its name.
 void check_exr_name(const std::filesystem::path& path);
 
+/// ZIP takes half a second a core for 30 MB of noisy floats, and saves a few per cent of them.
+enum class Compression { kZip, kNone };
+
 /// Appears whole or not at all; throws Error.
-void write_exr(const std::filesystem::path& path, const Image& image);
+void write_exr(const std::filesystem::path& path, const Image& image,
+               Compression compression = Compression::kZip);
 
 }  // namespace malus

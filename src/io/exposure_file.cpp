@@ -1,10 +1,12 @@
-// exposure_image.cpp — exposures to channels and back.
+// exposure_file.cpp — exposures to channels and back.
 // SPDX-License-Identifier: Apache-2.0
-#include "malus/io/exposure_image.h"
+#include "malus/io/exposure_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "malus/core/digest.h"
 #include "malus/core/error.h"
 #include "malus/io/spectral_image.h"
 
@@ -92,17 +94,23 @@ Exposure exposure_of(const Image& image) {
 
 }  // namespace
 
-bool is_exposure_channel(const std::string& name) {
-    if (!name.starts_with("Sum")) return false;
-    const std::size_t end = name.find_first_not_of("0123456789", 3);
-    return end != std::string::npos && (name[end] == '.' || name[end] == '_');
+std::filesystem::path sums_path(const std::filesystem::path& image) {
+    return image.string() + ".sums";
 }
 
-bool is_picture_channel(const std::string& name) {
-    return !is_exposure_channel(name);
+std::string fingerprint(const Exposure& e) {
+    Digest digest;
+    for (const auto* counts : {&e.kept, &e.taken, &e.wanted, &e.covered, &e.votes})
+        for (std::uint32_t n : *counts) digest.add(n);
+    for (const auto* sums : {&e.stokes, &e.distance})
+        for (float sum : *sums) digest.add(std::bit_cast<std::uint32_t>(sum));
+    return digest.text();
 }
 
-void add_exposure(Image& image, const Exposure& e) {
+void write_exposure(const std::filesystem::path& path, const Exposure& e) {
+    Image image;
+    image.width = e.width;
+    image.height = e.height;
     add(image, "Sum.taken", e.taken);
     add(image, "Sum.wanted", e.wanted);
     add(image, "Sum.covered", e.covered);
@@ -120,17 +128,16 @@ void add_exposure(Image& image, const Exposure& e) {
                     e.stokes.data() + (r * 4 + c) * wavelengths + w,
                     e.replicates * e.replicate_stride()};
     }
+    write_exr(path, image, Compression::kNone);
 }
 
 Exposure read_exposure(const std::filesystem::path& path) {
-    const Image image = read_exr(path, is_exposure_channel);
+    const Image image = read_exr(path);
     try {
-        if (image.channels.empty())
-            throw Error("it holds no sums of samples (rendered with --final, or merged)");
         return exposure_of(image);
     } catch (const Error& problem) {
-        throw Error(path.string() + ": cannot be gone on with: " + problem.what() +
-                    "; render it anew");
+        throw Error(path.string() + ": not the sums of a render: " + problem.what() +
+                    "; render anew");
     }
 }
 

@@ -1,0 +1,33 @@
+// exposure_file.h — what a render needs to go on, in a file beside its image: OUT.exr.sums.
+//
+//   Sum3_S1.440,000000nm    sum of S1 over the samples of replicate 3, W m⁻² sr⁻¹ nm⁻¹
+//   Sum3.kept               samples in those sums
+//   Sum.taken  Sum.wanted  Sum.covered  Sum.distance  Sum.instance  Sum.votes
+//
+// Form    OpenEXR without compression: 128 bytes a pixel and wavelength with 8 replicates, which
+//         compression would make hardly smaller and take long for.
+// Fields  of Exposure (exposure.h), all as floats; counts of a replicate are checkpoints, which
+//         floats hold exactly.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "malus/render/exposure.h"
+
+namespace malus {
+
+/// "OUT.exr.sums"
+std::filesystem::path sums_path(const std::filesystem::path& image);
+
+/// 16 hexadecimal digits by which image and sums are known to belong together.
+std::string fingerprint(const Exposure& exposure);
+
+/// Appears whole or not at all; throws Error.
+void write_exposure(const std::filesystem::path& path, const Exposure& exposure);
+
+/// Throws Error when the file cannot be read, or its sums cannot be any render's.
+Exposure read_exposure(const std::filesystem::path& path);
+
+}  // namespace malus
