@@ -80,6 +80,32 @@ constexpr std::uint64_t mix(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
+constexpr double fraction(std::uint32_t bits) {
+    return (bits + 0.5) * 0x1p-32;
+}
+
+SamplePoint sobol_point(std::uint64_t key, std::uint32_t sample, std::uint32_t block) {
+    // Shuffling the order is an Owen scramble of the index itself: aligned runs of 2^m samples
+    // stay the aligned runs of the sequence that make it even.
+    const bool own = block < kOwnBlocks;
+    const std::uint32_t index =
+        own ? sample : owen_scramble(sample, static_cast<std::uint32_t>(key >> 32));
+    const Bits x = sobol(index, own ? block : 0);
+    SamplePoint u;
+    for (int d = 0; d < kBlockDimensions; ++d) {
+        const auto seed = static_cast<std::uint32_t>(mix(key + static_cast<std::uint64_t>(d + 1)));
+        u[d] = fraction(owen_scramble(x[d], seed));
+    }
+    return u;
+}
+
+SamplePoint independent_point(std::uint64_t key) {
+    SamplePoint u;
+    for (int d = 0; d < kBlockDimensions; ++d)
+        u[d] = fraction(static_cast<std::uint32_t>(hash(key, static_cast<std::uint64_t>(d)) >> 32));
+    return u;
+}
+
 }  // namespace
 
 std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
@@ -99,18 +125,8 @@ Bits sobol(std::uint32_t index, std::uint32_t block) {
 
 SamplePoint Sampler::point(std::uint32_t sample, std::uint32_t block) const {
     const std::uint64_t key = hash(key_, block);
-    // Shuffling the order is an Owen scramble of the index itself: aligned runs of 2^m samples
-    // stay the aligned runs of the sequence that make it even.
-    const bool own = block < kOwnBlocks;
-    const std::uint32_t index =
-        own ? sample : owen_scramble(sample, static_cast<std::uint32_t>(key >> 32));
-    const Bits x = sobol(index, own ? block : 0);
-    SamplePoint u;
-    for (int d = 0; d < kBlockDimensions; ++d) {
-        const auto seed = static_cast<std::uint32_t>(mix(key + static_cast<std::uint64_t>(d + 1)));
-        u[d] = (owen_scramble(x[d], seed) + 0.5) * 0x1p-32;
-    }
-    return u;
+    return sampling_ == Sampling::kSobol ? sobol_point(key, sample, block)
+                                         : independent_point(hash(key, sample));
 }
 
 }  // namespace malus

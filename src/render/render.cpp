@@ -116,7 +116,7 @@ class Job {
         pixel.load(exposure(), index);
         worker.samplers.clear();
         for (std::uint32_t r = 0; r < exposure().replicates; ++r)
-            worker.samplers.emplace_back(settings_.seed, index, r);
+            worker.samplers.emplace_back(settings_.seed, index, r, settings_.sampling);
         while (pixel.taken() < wanted) {
             for (std::uint32_t r = 0; r < exposure().replicates; ++r) sample(x, y, r, worker);
             pixel.end_sample();

@@ -8,8 +8,21 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "support/statistics.h"
 
 using namespace malus;
+
+namespace {
+
+// A product over all dimensions, with mean 1 and variance (1 + 1/12)^8 − 1 for random points.
+double product(const SamplePoint& u) {
+    double f = 1;
+    for (double x : u) f *= 0.5 + x;
+    return f;
+}
+const double kProductVariance = std::pow(13.0 / 12, 8) - 1;
+
+}  // namespace
 
 TEST_CASE("Sobol': the first eight points are those that Joe and Kuo list") {
     // Their page's example of three dimensions, in eighths; we visit them in another order.
@@ -82,29 +95,25 @@ TEST_CASE("Owen scrambling: the first two dimensions stay a (0,m,2)-net") {
 }
 
 TEST_CASE("Sampler: numbers depend on seed, pixel, replicate, sample and block alone") {
-    const SamplePoint a = Sampler(1, 2, 3).point(4, 5);
-    CHECK(a == Sampler(1, 2, 3).point(4, 5));
-    CHECK(a != Sampler(9, 2, 3).point(4, 5));
-    CHECK(a != Sampler(1, 9, 3).point(4, 5));
-    CHECK(a != Sampler(1, 2, 9).point(4, 5));
-    CHECK(a != Sampler(1, 2, 3).point(9, 5));
-    CHECK(a != Sampler(1, 2, 3).point(4, 9));
+    for (Sampling sampling : {Sampling::kSobol, Sampling::kIndependent}) {
+        const SamplePoint a = Sampler(1, 2, 3, sampling).point(4, 5);
+        CHECK(a == Sampler(1, 2, 3, sampling).point(4, 5));
+        CHECK(a != Sampler(9, 2, 3, sampling).point(4, 5));
+        CHECK(a != Sampler(1, 9, 3, sampling).point(4, 5));
+        CHECK(a != Sampler(1, 2, 9, sampling).point(4, 5));
+        CHECK(a != Sampler(1, 2, 3, sampling).point(9, 5));
+        CHECK(a != Sampler(1, 2, 3, sampling).point(4, 9));
+    }
 }
 
 TEST_CASE("Sampler: scrambles are unbiased and independent", "[statistical]") {
-    // A product over all dimensions with mean 1 and variance (1 + 1/12)^8 − 1 for random points.
-    const auto f = [](const SamplePoint& u) {
-        double product = 1;
-        for (double x : u) product *= 0.5 + x;
-        return product;
-    };
     constexpr int kScrambles = 20000;
     double sum = 0, squares = 0, lagged = 0, previous = 0;
     for (int r = 0; r < kScrambles; ++r) {
         double mean = 0;
         const Sampler sampler(11, static_cast<std::uint64_t>(r / 8),
                               static_cast<std::uint32_t>(r % 8));
-        for (std::uint32_t i = 0; i < 16; ++i) mean += f(sampler.point(i, 1)) / 16;
+        for (std::uint32_t i = 0; i < 16; ++i) mean += product(sampler.point(i, 1)) / 16;
         sum += mean - 1;
         squares += (mean - 1) * (mean - 1);
         lagged += (mean - 1) * previous;
@@ -115,7 +124,64 @@ TEST_CASE("Sampler: scrambles are unbiased and independent", "[statistical]") {
     CHECK(std::abs(sum / kScrambles) < 4 * sigma / std::sqrt(kScrambles));
     CHECK(std::abs(lagged / squares) < 4 / std::sqrt(kScrambles));
     // Better than 16 random points, whose variance is (1.0833^8 − 1)/16.
-    CHECK(squares / kScrambles < 0.5 * (std::pow(13.0 / 12, 8) - 1) / 16);
+    CHECK(squares / kScrambles < 0.5 * kProductVariance / 16);
+}
+
+TEST_CASE("Independent numbers: even, each and in pairs of neighbours of every kind",
+          "[statistical]") {
+    // Each neighbour (x, y) of 4096 numbers falls into one of 16 x 16 boxes as often as into any
+    // other: x and y are uniform and know nothing of each other.
+    struct Place {
+        std::uint64_t seed, pixel;
+        std::uint32_t replicate, sample, block;
+    };
+    const auto at = [](const Place& p) {
+        return Sampler(p.seed, p.pixel, p.replicate, Sampling::kIndependent)
+            .point(p.sample, p.block);
+    };
+    const std::vector<Place> steps{{0, 0, 0, 1, 0}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 1u << 20},
+                                   {0, 0, 1, 0, 0}, {0, 1, 0, 0, 0}, {1, 0, 0, 0, 0}};
+    constexpr std::uint32_t kCount = 1u << 14;
+    const std::vector<double> expected(256, kCount / 256.0);
+    const auto box = [](double x, double y) {
+        return static_cast<std::size_t>(x * 16) * 16 + static_cast<std::size_t>(y * 16);
+    };
+    // z < 4.5 at 56 places: false alarms 2e-4.
+    for (const Place& step : steps)
+        for (std::size_t d = 0; d < kBlockDimensions; ++d) {
+            std::vector<double> counts(256, 0), in_point(256, 0);
+            for (std::uint32_t i = 0; i < kCount; ++i) {
+                const Place here{5, 8, 2, 2 * i, 0};  // every other sample: each is in one pair
+                const SamplePoint u = at(here);
+                const SamplePoint v = at({here.seed + step.seed, here.pixel + step.pixel,
+                                          here.replicate + step.replicate,
+                                          here.sample + step.sample, here.block + step.block});
+                ++counts[box(u[d], v[d])];
+                ++in_point[box(u[d], u[(d + 1) % kBlockDimensions])];
+            }
+            CHECK(chi2_z(counts, expected) < 4.5);
+            if (&step == &steps.front()) CHECK(chi2_z(in_point, expected) < 4.5);
+        }
+}
+
+TEST_CASE("Independent numbers: the variance of a mean of N is 1/N of one's", "[statistical]") {
+    for (std::uint32_t count : {1u, 16u, 256u}) {
+        constexpr int kMeans = 4000;
+        double sum = 0, squares = 0, fourth = 0;
+        for (int r = 0; r < kMeans; ++r) {
+            const Sampler sampler(11, static_cast<std::uint64_t>(r), 0, Sampling::kIndependent);
+            double mean = 0;
+            for (std::uint32_t i = 0; i < count; ++i) mean += product(sampler.point(i, 1)) / count;
+            sum += mean - 1;
+            squares += std::pow(mean - 1, 2);
+            fourth += std::pow(mean - 1, 4);
+        }
+        const double variance = squares / kMeans;
+        // |z| < 4 each: false alarms 6e-5 a check.
+        CHECK(std::abs(sum / kMeans) < 4 * std::sqrt(kProductVariance / count / kMeans));
+        CHECK(std::abs(variance - kProductVariance / count) <
+              4 * std::sqrt((fourth / kMeans - variance * variance) / kMeans));
+    }
 }
 
 TEST_CASE(

@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 
+#include "malus/core/sampler.h"
 #include "malus/render/exposure.h"
 #include "malus/render/film.h"
 #include "malus/scene/camera.h"
@@ -37,6 +38,7 @@ struct RenderSettings {
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has
     Lighting lighting = Lighting::kBoth;
+    Sampling sampling = Sampling::kSobol;
     /// Called now and then with the share that is done, from one thread at a time.
     std::function<void(double)> progress;
     const std::atomic<bool>* stop = nullptr;  ///< set it to end the render early
