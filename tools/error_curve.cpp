@@ -26,13 +26,6 @@ double rms(const std::vector<double>& x) {
     return std::sqrt(squares / static_cast<double>(x.size()));
 }
 
-double quantile(std::vector<double>& x, double share) {
-    const auto at =
-        x.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(x.size() - 1));
-    std::nth_element(x.begin(), at, x.end());
-    return *at;
-}
-
 // The points that the slope is taken of.
 ErrorCurve asymptotic_part(const ErrorCurve& curve) {
     const std::size_t count = std::min(curve.size(), std::max<std::size_t>(4, curve.size() / 2));

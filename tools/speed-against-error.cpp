@@ -5,7 +5,7 @@
 //         Without attenuation the radiance of Priest-Germer paint grows as 1/cosθ toward grazing
 //         views, and other surfaces see some of it so: single samples can outweigh a picture, and
 //         the RMS has no limit to settle at. Percentiles have.
-// Method  8, 16, 32, … samples a pixel while its budget lasts, all methods in turn, at least twice
+// Method  8, 16, 32, … samples a pixel (or a target error of like effect) while its budget lasts, all methods in turn, at least twice
 //         with other seeds: errors of all rounds, seconds and rays of the fastest, since machines
 //         are shared.
 // Reference  the default method with another seed and as many samples as kReferenceBudget times that
@@ -73,6 +73,12 @@ const std::vector<Method> kMethods{
      }},
     {"QMC one wavelength at a time", Method::Wavelengths::kOneByOne,
      [](RenderSettings& s, std::uint32_t samples) { s.spp = samples; }},
+    // To about the error that so many samples in each pixel leave in 95 % of them.
+    {"QMC to a target error", Method::Wavelengths::kTogether,
+     [](RenderSettings& s, std::uint32_t samples) {
+         s.spp = 1u << 20;
+         s.target_error = 0.4 * std::pow(samples / 8.0, -0.6);
+     }},
 };
 const Method& kDefaultMethod = kMethods[1];
 

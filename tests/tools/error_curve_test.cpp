@@ -105,12 +105,14 @@ TEST_CASE("Deviations: relative in S0, absolute in DoLP, of surfaces only, the r
     CHECK(errors[1] == Approx(0.1));
     CHECK(errors[3] == Approx(std::sqrt(0.05 / 3)));  // DoLP: 0, 0.2, 0.1
     CHECK(errors[4] == Approx(0.1));
+    CHECK(errors[5] == Approx(0.2));
     Film single(4, 1, {600});  // finds its wavelength in the reference
     for (PixelStokes& pixel : single.stokes) pixel.mean = {1.25, 0, 0, 0};
     Deviations of_single;
     add_deviations(single, 0, truth, of_single);
     CHECK(summarize(of_single)[0] == Approx(0.25));
-    CHECK(worst({errors, summarize(of_single)}) == Errors{0.25, 0.25, 0.25, errors[3], 0.1, 0.1});
+    CHECK(worst({errors, summarize(of_single)}) ==
+          Errors{0.25, 0.25, 0.25, errors[3], 0.1, errors[5]});
 }
 
 TEST_CASE("Deviations: those expected of a film are normal deviates of its error bars") {
