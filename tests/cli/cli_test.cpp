@@ -17,38 +17,13 @@
 #include "malus/io/spectral_image.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
+#include "support/program.h"
 
 using namespace malus;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Outcome {
-    int exit_code;
-    std::string out, err;
-    // A message is one line: text, newline, nothing else.
-    bool one_line() const { return !err.empty() && err.find('\n') == err.size() - 1; }
-};
-
-std::string quoted(const std::string& word) {
-    return "'" + word + "'";
-}
-
-// Runs malus with these arguments, as a shell would.
-Outcome run(const std::string& arguments) {
-    const TempFolder folder;
-    const std::string out = (folder / "out").string(), err = (folder / "err").string();
-    const int status = std::system((quoted(MALUS_PROGRAM) + " " + arguments + " >" + quoted(out) +
-                                    " 2>" + quoted(err) + " </dev/null")
-                                       .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read_text(out),
-            read_text(err)};
-}
-
-std::string shipped(const std::string& file) {
-    return quoted(MALUS_SOURCE_DIR "/" + file);
-}
 
 // The pixels of an image that show nothing but a surface.
 class Exr {
@@ -68,25 +43,6 @@ class Exr {
   private:
     Image image_;
 };
-
-// A small render of the shipped panel.
-std::string small_render(const std::string& out, const std::string& more = "",
-                         const std::string& size = "--width 8 --height 8 --spp 8") {
-    return "render " + shipped("scenes/panel.gltf") + " --sky " + shipped("skies/rayleigh_60.exr") +
-           " --materials " + shipped("materials/paints.json") + " --assign '*=green_paint' " +
-           size + " -o " + quoted(out) + " " + more;
-}
-
-// Fails with exit 1 and one line that holds these words; leaves no image.
-void check_fails(const std::string& arguments, const fs::path& image,
-                 const std::vector<std::string>& words) {
-    const Outcome result = run(arguments);
-    CAPTURE(arguments, result.err);
-    CHECK(result.exit_code == 1);
-    CHECK(result.one_line());
-    for (const std::string& word : words) CHECK_THAT(result.err, Contains(word));
-    CHECK_FALSE(fs::exists(image));
-}
 
 }  // namespace
 
