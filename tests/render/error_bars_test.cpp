@@ -7,7 +7,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <numeric>
 
 #include "malus/core/frame.h"
@@ -15,6 +14,7 @@
 #include "support/agreement.h"
 #include "support/catch.h"
 #include "support/fixtures.h"
+#include "support/scores.h"
 
 using namespace malus;
 
@@ -26,87 +26,35 @@ std::vector<double> sixteen_wavelengths() {
     return list;
 }
 
-reference::Integral panel_reference(const Material& paint, double wavelength_nm,
-                                    const Camera& camera) {
-    return reference::panel(reference_paint(paint, wavelength_nm), {0, 1, 0}, -camera.forward,
-                            camera.right, smooth_sky(), 1e-7);
-}
-
-Stokes<double> stokes(const reference::Stokes& S) {
-    return {S[0], S[1], S[2], S[3]};
-}
-
-// A number of a pixel, its standard error, and whether it is to be judged there.
-struct Quantity {
-    const char* name;
-    std::function<double(const PixelStokes&)> value, error;
-};
-const std::vector<Quantity>& quantities() {
-    using P = PixelStokes;
-    const auto root = [](std::size_t entry) {
-        return [entry](const P& p) { return std::sqrt(static_cast<double>(p.covariance[entry])); };
-    };
-    static const std::vector<Quantity> list{
-        {"S0", [](const P& p) { return p.mean.s0; }, root(0)},
-        {"S1", [](const P& p) { return p.mean.s1; }, root(3)},
-        {"S2", [](const P& p) { return p.mean.s2; }, root(5)},
-        {"S3", [](const P& p) { return p.mean.s3; }, root(6)},
-        {"DoLP", [](const P& p) { return dolp(p.mean); }, stderr_dolp},
-        {"AoLP", [](const P& p) { return aolp(p.mean); }, stderr_aolp}};
-    return list;
-}
-
-// Replicates, and the 97.5 % quantile of Student's t for them (Abramowitz & Stegun, table 26.10).
-struct Student {
-    std::uint32_t replicates;
-    double quantile;
-    double deviation() const { return std::sqrt((replicates - 1.0) / (replicates - 3.0)); }
-};
-constexpr Student kEight{8, 2.3646}, kThirtyTwo{32, 2.0395};
-
-// z-scores of one quantity.
-struct Scores {
-    const Student& student;
-    double count = 0, sum = 0, squares = 0, within = 0;
-
-    void add(double z) {
-        count += 1, sum += z, squares += z * z, within += std::abs(z) < student.quantile ? 1 : 0;
-    }
-    double mean() const { return sum / count; }
-    double deviation() const { return std::sqrt(squares / count - sqr(mean())); }
-    double coverage() const { return within / count; }
-};
-
 constexpr const char* kScoreColumns =
     "paint,replicates,wavelengths,nm,quantity,mean,deviation,coverage\n";
 
 void check_error_bars(const Material& paint, const std::vector<double>& wavelengths,
-                      const Student& student, std::ofstream& csv) {
+                      std::uint32_t replicates, std::ofstream& csv) {
+    const double degrees = replicates - 1.0;
     const PreparedScene scene(panel_scene(), {0}, {paint},
                               sample_sky(smooth_sky(), wavelengths, 180, 720), wavelengths);
     const Camera camera = look_at({0, 0, 0}, 45, 20, 1e-4);
     RenderSettings settings;
     settings.width = settings.height = 4, settings.spp = 1024;
-    settings.replicates = student.replicates;
+    settings.replicates = replicates;
     std::vector<Film> films;
     for (settings.seed = 0; settings.seed < 200; ++settings.seed)
         films.push_back(render(scene, camera, settings).film);
     for (std::size_t w = 0; w < wavelengths.size(); ++w) {
-        const PixelStokes right{stokes(panel_reference(paint, wavelengths[w], camera).value), {}};
+        const PixelStokes right = panel_reference(paint, wavelengths[w], camera);
         for (const Quantity& q : quantities()) {
-            const bool angle = q.name == std::string("AoLP");
             // Light that is hardly polarized (black paint up to 493 nm) has no axis, and a DoLP that
             // noise can only raise.
-            if ((angle || q.name == std::string("DoLP")) && dolp(right.mean) < 0.01) continue;
-            Scores scores{student};
+            if (q.polarization && dolp(right.mean) < 0.01) continue;
+            Scores scores;
             for (const Film& film : films)
-                for (std::size_t i = 0; i < film.pixel_count(); ++i) {
-                    const double off = q.value(film.at(i, w)) - q.value(right);
-                    scores.add((angle ? std::remainder(off, kPi) : off) / q.error(film.at(i, w)));
-                }
-            CAPTURE(paint.name, student.replicates, wavelengths.size(), wavelengths[w], q.name,
+                for (std::size_t i = 0; i < film.pixel_count(); ++i)
+                    scores.add(q.off(film.at(i, w), right) / q.error(film.at(i, w)),
+                               student95(degrees));
+            CAPTURE(paint.name, replicates, wavelengths.size(), wavelengths[w], q.name,
                     scores.mean(), scores.deviation(), scores.coverage());
-            csv << paint.name << ',' << student.replicates << ',' << wavelengths.size() << ','
+            csv << paint.name << ',' << replicates << ',' << wavelengths.size() << ','
                 << wavelengths[w] << ',' << q.name << ',' << scores.mean() << ','
                 << scores.deviation() << ',' << scores.coverage() << '\n';
             // 3200 scores know their mean to 0.021, their deviation to 1.8 %, the coverage to
@@ -114,7 +62,7 @@ void check_error_bars(const Material& paint, const std::vector<double>& waveleng
             // S3 of this sky is small and skewed: its mean over few replicates goes with their
             // spread, which shifts the scores; the numbers themselves have no bias (below).
             if (q.name != std::string("S3")) CHECK(std::abs(scores.mean()) < 0.1);
-            CHECK(scores.deviation() == Approx(student.deviation()).epsilon(0.1));
+            CHECK(scores.deviation() == Approx(std::sqrt(degrees / (degrees - 2))).epsilon(0.1));
             CHECK(scores.coverage() == near(0.95, 0.02));
         }
     }
@@ -134,9 +82,10 @@ double mean(const std::vector<double>& x) {
 TEST_CASE("Error bars: over 200 seeds z-scores spread as Student's t, one wavelength", "[render]") {
     std::ofstream csv(MALUS_TEST_OUTPUT "/error_bars_1.csv");
     csv << kScoreColumns;
-    for (const Student& student : {kEight, kThirtyTwo}) {
-        for (double nm : {440.0, 550.0, 600.0}) check_error_bars(green_paint(), {nm}, student, csv);
-        check_error_bars(black_paint(), {600}, student, csv);
+    for (std::uint32_t replicates : {8u, 32u}) {
+        for (double nm : {440.0, 550.0, 600.0})
+            check_error_bars(green_paint(), {nm}, replicates, csv);
+        check_error_bars(black_paint(), {600}, replicates, csv);
     }
 }
 
@@ -144,9 +93,9 @@ TEST_CASE("Error bars: over 200 seeds z-scores spread as Student's t, sixteen wa
           "[render]") {
     std::ofstream csv(MALUS_TEST_OUTPUT "/error_bars_16.csv");
     csv << kScoreColumns;
-    for (const Student& student : {kEight, kThirtyTwo}) {
-        check_error_bars(green_paint(), sixteen_wavelengths(), student, csv);
-        check_error_bars(black_paint(), sixteen_wavelengths(), student, csv);
+    for (std::uint32_t replicates : {8u, 32u}) {
+        check_error_bars(green_paint(), sixteen_wavelengths(), replicates, csv);
+        check_error_bars(black_paint(), sixteen_wavelengths(), replicates, csv);
     }
 }
 
@@ -170,7 +119,7 @@ TEST_CASE("No bias: over four decades of samples the mean of 200 pictures nears 
         last_rms.clear();
         for (std::size_t w = 0; w < wavelengths.size(); ++w) {
             const Stokes<double> right =
-                stokes(panel_reference(green_paint(), wavelengths[w], camera).value);
+                panel_reference(green_paint(), wavelengths[w], camera).mean;
             std::vector<double> s0, s1, s2, s3, p;
             for (const Film& film : films)
                 for (std::size_t i = 0; i < 2; ++i) {
