@@ -10,16 +10,6 @@
 namespace malus {
 namespace {
 
-// A mean of light is light, but samples are floats, and |(S1,S2,S3)| may exceed S0 by some of their
-// roundings; so may what is stored in floats. What exceeds S0 by more is left for all to see.
-Stokes<double> held_physical(const Stokes<double>& S) {
-    constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
-    const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
-    if (polarized <= most || polarized > (1 + kRoundings) * S.s0) return S;
-    const double shrink = most / polarized;
-    return {S.s0, shrink * S.s1, shrink * S.s2, shrink * S.s3};
-}
-
 double rounded(double x) {
     return static_cast<double>(static_cast<float>(x));
 }

@@ -46,6 +46,11 @@ double relative_stderr_s0(const PixelStokes& pixel);
 /// several is the DoLP of their mean Stokes vector.
 double debiased_dolp(const PixelStokes& pixel);
 
+/// A mean of light is light, but its terms are floats, and |(S1,S2,S3)| may exceed S0 by some of
+/// their roundings, now or when stored as floats: that is taken back. What exceeds S0 by more is left
+/// for all to see.
+Stokes<double> held_physical(const Stokes<double>& mean);
+
 struct Film {
     int width = 0, height = 0;
     std::vector<double> wavelengths_nm;
