@@ -61,11 +61,13 @@ int run(int argc, char** argv) {
     malus::cli::add_materials(app);
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
+    malus::cli::add_merge(app, malus::cli::command_line(argc, argv));
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {
         std::cerr << "malus: unknown command '" << malus::one_line(argv[1]) << "'"
-                  << malus::suggest(argv[1], {"render", "sky", "materials", "preview", "info"})
+                  << malus::suggest(argv[1],
+                                    {"render", "sky", "materials", "preview", "info", "merge"})
                   << '\n';
         return kUsage;
     }

@@ -77,14 +77,14 @@ Exposure begun(const RenderOptions& options, const Image& header, const RenderSe
     const Image other = read_exr_header(options.resume);
     if (const std::string what = first_difference(header, other); !what.empty())
         throw Error(place + "it is of " + what + "; give what it was rendered with");
-    if (header.attributes.at("seed") != other.attributes.at("seed"))
-        throw Error(place + "it has seed " + std::get<std::string>(other.attributes.at("seed")) +
-                    "; give --seed with that, or merge renders of different seeds");
     const std::string* sums = other.text("sumsHash");
     if (!sums)
         throw Error(place +
                     "it has no sums to go on from (rendered with --final, or merged); render "
                     "it anew");
+    if (header.attributes.at("seed") != other.attributes.at("seed"))
+        throw Error(place + "it has seed " + std::get<std::string>(other.attributes.at("seed")) +
+                    "; give --seed with that, or merge renders of different seeds");
     Exposure exposure = read_exposure(sums_path(options.resume));
     if (fingerprint(exposure) != *sums)
         throw Error(place + "the sums in " + sums_path(options.resume).string() +

@@ -55,6 +55,8 @@ std::string why_stopped(StoppedBy why) {
     return {};
 }
 
+}  // namespace
+
 std::string samples_text(const Film& film) {
     const SampleCounts n = count_samples(film);
     char text[96];
@@ -78,8 +80,6 @@ std::string errors_text(const Film& film) {
     }
     return errors;
 }
-
-}  // namespace
 
 Image make_header(const RenderOptions& options, const Inputs& inputs,
                   const RenderSettings& settings, const std::string& command_line) {

@@ -1,4 +1,4 @@
-// render_output.h — what malus render writes and says.
+// render_output.h — what malus render writes and says; the latter in part for malus merge, too.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,6 +21,10 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
 /// How long write_image will take, as some rows of the picture show, s.
 double seconds_to_write(const RenderResult& result, const Labels& labels,
                         const RenderOptions& options, const Image& header);
+
+/// "64 samples a pixel", and " 440 nm S0 1.3 %, DoLP 0.0052; 600 nm …": standard errors (rms).
+std::string samples_text(const Film& film);
+std::string errors_text(const Film& film);
 
 /// One line on standard output; refusals and an early end also in a quiet run, on stderr.
 void tell_result(const RenderOptions& options, const RenderStats& stats,
