@@ -1,7 +1,7 @@
 // sampling_plan.h — where the next samples go.
 //
 //   e_i = max over wavelengths of max(SE(DoLP), SE(S0)/S0)    error of pixel i (pixel_error, film.h)
-//   s_i = root of the mean of e² over 3 × 3 pixels, weights 1 2 1 across and down
+//   s_i = root of the mean of min(e, 3 e_i)² over 3 × 3 pixels, weights 1 2 1 across and down
 //
 // A fixed number of samples is reached in rounds over the whole picture, each of twice the samples.
 // With a target or a time limit, a round serves the pixels with s_i above a goal, which falls from
