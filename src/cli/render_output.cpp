@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/provenance.h"
+#include "malus/core/error.h"
 #include "malus/io/exposure_file.h"
 #include "malus/optics/wavelengths.h"
 
@@ -107,11 +108,15 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
                            options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.insert(header.attributes.begin(), header.attributes.end());
     image.attributes["stoppedBy"] = to_text(result.stopped_by);
-    if (!options.final) {
-        image.attributes["sumsHash"] = fingerprint(result.exposure);
-        write_exposure(sums_path(path), result.exposure);
-    }
+    if (!options.final) image.attributes["sumsHash"] = fingerprint(result.exposure);
     write_exr(path, image);
+    if (options.final) return;
+    try {
+        write_exposure(sums_path(path), result.exposure);
+    } catch (const Error& problem) {
+        throw Error(std::string(problem.what()) + "; " + path +
+                    " is whole, but --resume cannot go on");
+    }
 }
 
 double seconds_to_write(const RenderResult& result, const Labels& labels,
