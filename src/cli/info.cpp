@@ -104,11 +104,14 @@ void describe_image(const std::string& path, const Image& image) {
     std::printf("%s: %d x %d pixels, %zu channels\n", path.c_str(), image.width, image.height,
                 image.channels.size());
     for (double nm : stokes_wavelengths(image)) {
-        std::printf("  %s nm: mean S0 %.4g", to_text(nm).c_str(), surface_mean(image, "S0", nm));
-        if (image.channels.count(spectral_channel("DoLP", nm)))
-            std::printf(", mean DoLP %.4g, mean standard errors %.2g and %.2g",
-                        surface_mean(image, "DoLP", nm), surface_mean(image, "StdErr_S0", nm),
-                        surface_mean(image, "StdErr_DoLP", nm));
+        const double s0 = surface_mean(image, "S0", nm);
+        std::printf("  %s nm: mean S0 %.4g", to_text(nm).c_str(), s0);
+        // Of the mean Stokes vector: noise would add to a mean of DoLPs.
+        if (s0 > 0 && image.channels.count(spectral_channel("DoLP", nm)))
+            std::printf(
+                ", its DoLP %.4g, a pixel's standard errors %.2g and %.2g on average",
+                std::hypot(surface_mean(image, "S1", nm), surface_mean(image, "S2", nm)) / s0,
+                surface_mean(image, "StdErr_S0", nm), surface_mean(image, "StdErr_DoLP", nm));
         std::printf("\n");
     }
     describe_attributes(image);

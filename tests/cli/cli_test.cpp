@@ -480,6 +480,20 @@ TEST_CASE("Sky and info: a sky is made and described", "[cli]") {
                Contains("550 nm") && Contains("negative in 96 %") && Contains("reciprocity: kept"));
 }
 
+TEST_CASE("Info: the DoLP of a picture is that of its mean Stokes vector", "[cli]") {
+    // Two pixels of DoLP 0.4 across each other, and one that shows no surface.
+    Film film(3, 1, {550});
+    film.coverage = {1, 1, 0};
+    film.stokes[0].mean = {2, 0.8, 0, 0};
+    film.stokes[1].mean = {2, -0.6, 0, 0};
+    film.stokes[2].mean = {2, 0, 2, 0};
+    film.instance = {0, 0, -1};
+    const TempFolder folder;
+    const std::string image = (folder / "image.exr").string();
+    write_exr(image, to_image(film, {{"paint"}, {"node"}, {0}, {0}}));
+    CHECK_THAT(run("info " + quoted(image)).out, Contains("mean S0 2, its DoLP 0.05,"));
+}
+
 TEST_CASE("Skies: each shipped map is what the command in its header makes", "[cli]") {
     const TempFolder folder;
     for (const char* name : {"rayleigh_30", "rayleigh_60", "rayleigh_80", "hazy_60"}) {

@@ -264,7 +264,9 @@ Means expected_dolp(double p0, double sigma) {
         for (int j = 0; j < kSteps; ++j) {
             const double x = 14 * ((i + 0.5) / kSteps - 0.5), y = 14 * ((j + 0.5) / kSteps - 0.5);
             const double weight = std::exp(-(x * x + y * y) / 2);
-            const double p = std::hypot(p0 + sigma * x, sigma * y), b2 = sigma * sigma;
+            // No light is more than fully polarized.
+            const double p = std::min(1.0, std::hypot(p0 + sigma * x, sigma * y));
+            const double b2 = sigma * sigma;
             weights += weight;
             sum.raw += weight * p;
             sum.debiased += weight * (p - b2 * (1 - std::exp(-p * p / b2)) / (2 * p));
@@ -289,6 +291,8 @@ TEST_CASE("Debiased DoLP: the bias that is left is the MAS formula's, at any sig
                                   {0.05, 2.0},
                                   {0.05, 3.0},
                                   {0.05, 10.0},
+                                  {0.3, 1.0},
+                                  {0.3, 2.0},
                                   {0.3, 3.0},
                                   {0.3, 10.0}}) {
         const double sigma = p0 > 0 ? p0 / snr : 0.02;
