@@ -71,7 +71,7 @@ std::optional<StoppedBy> SamplingPlan::plan_round(Exposure& exposure) const {
         if (exposure.taken[i] < std::min(exposure.wanted[i], cap_)) return std::nullopt;
     const std::uint32_t least = *std::min_element(exposure.taken.begin(), exposure.taken.end());
     if (!adaptive() || least < std::min(kPilot, cap_)) return plan_evenly(exposure, least);
-    return plan_adaptively(exposure);
+    return plan_adaptively(exposure, least);
 }
 
 // One sample of each replicate, then two, four, … in all pixels.
@@ -83,10 +83,13 @@ std::optional<StoppedBy> SamplingPlan::plan_evenly(Exposure& exposure, std::uint
     return std::nullopt;
 }
 
-std::optional<StoppedBy> SamplingPlan::plan_adaptively(Exposure& exposure) const {
+std::optional<StoppedBy> SamplingPlan::plan_adaptively(Exposure& exposure,
+                                                       std::uint32_t least) const {
     const std::vector<double> smoothed = smoothed_errors();
     const double error = error_of_most(smoothed);
-    if (error <= settings_.target_error) return StoppedBy::kTargetError;
+    if (error <= settings_.target_error && settings_.target_error > 0)
+        return StoppedBy::kTargetError;
+    if (error == 0) return plan_evenly(exposure, least);
     if (beyond_help(exposure)) return StoppedBy::kSamples;
     double goal = std::max(settings_.target_error, kFall * error) / kSpread;
     std::vector<std::size_t> pixels;

@@ -47,7 +47,7 @@ class SamplingPlan {
   private:
     bool adaptive() const { return settings_.target_error > 0 || settings_.time_limit_s > 0; }
     std::optional<StoppedBy> plan_evenly(Exposure& exposure, std::uint32_t least) const;
-    std::optional<StoppedBy> plan_adaptively(Exposure& exposure) const;
+    std::optional<StoppedBy> plan_adaptively(Exposure& exposure, std::uint32_t least) const;
     std::vector<std::size_t> above(double goal, const std::vector<double>& smoothed,
                                    const Exposure& exposure) const;
     bool beyond_help(const Exposure& exposure) const;

@@ -124,3 +124,13 @@ TEST_CASE("Sampling plan: pixels that show no surface do not count") {
     for (float& a : p.film.coverage) a = 0;
     CHECK(p.plan() == StoppedBy::kTargetError);
 }
+
+TEST_CASE("Sampling plan: under a time limit alone, a picture without noise is sampled evenly") {
+    Pictured p(10, 10, 0, 64);
+    p.settings.time_limit_s = 1;
+    REQUIRE_FALSE(p.plan());
+    CHECK(p.served() == 100);
+    CHECK(p.exposure.wanted[5] == 8);
+    for (std::size_t i = 0; i < 100; ++i) p.take(i, 8);
+    CHECK(p.plan() == StoppedBy::kSamples);
+}
