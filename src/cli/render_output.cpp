@@ -3,6 +3,7 @@
 #include "cli/render_output.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 
@@ -121,13 +122,18 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
 
 double seconds_to_write(const RenderResult& result, const Labels& labels,
                         const RenderOptions& options, const Image& header) {
-    // Four blocks of 16 rows, which OpenEXR's threads share.
+    // Four blocks of 16 rows, which OpenEXR's threads share; the faster of two trials, since the
+    // first also starts these threads.
     const int rows = std::min(64, result.film.height);
+    const RenderResult part = middle_rows(result, rows);
     const std::string trial = options.output + ".trial.exr";
-    const auto start = std::chrono::steady_clock::now();
-    write_image(trial, middle_rows(result, rows), labels, options, header);
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    double seconds = HUGE_VAL;
+    for (int i = 0; i < 2; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        write_image(trial, part, labels, options, header);
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        seconds = std::min(seconds, took.count());
+    }
     std::error_code ignored;
     std::filesystem::remove(trial, ignored);
     std::filesystem::remove(sums_path(trial), ignored);

@@ -411,8 +411,10 @@ TEST_CASE("Time limit: the command ends on time with an image of what it got", "
                 .exit_code == 0);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    // 2 % on a quiet machine; tests share theirs.
-    CHECK(seconds == near(3, 0.3));
+    // 2 % on a quiet machine; tests share theirs, and what writing will take is foreseen then with
+    // the load of the moment.
+    CHECK(seconds < 3.3);
+    CHECK(seconds > 2.2);
     CHECK_THAT(read_text(stats), Contains("\"stopped_by\": \"time-limit\""));
     CHECK(*read_exr(image).text("stoppedBy") == "time-limit");
     CHECK(std::distance(fs::directory_iterator(fs::path(image).parent_path()), {}) == 3);
