@@ -35,7 +35,7 @@ namespace {
 
 const std::vector<double> kWavelengths{440, 600};  // nm
 constexpr double kReferenceBudget = 7, kReach = 3;
-constexpr std::uint64_t kReferenceSeed = 1u << 20;  // beyond those of the methods
+constexpr std::uint64_t kReferenceSeed = 1ull << 40;  // beyond those of the methods
 constexpr int kUsage = 2;
 
 struct Options {

@@ -44,9 +44,13 @@ void check_outputs(RenderOptions& options) {
     check_exr_name(options.output);
     check_writable(options.output);
     check_distinct(options.output, others);
-    if (!options.final) check_writable(sums_path(options.output));
+    if (!options.final) {
+        check_writable(sums_path(options.output));
+        check_distinct(sums_path(options.output), others);
+    }
     if (options.stats.empty()) return;
-    others.insert(others.end(), {options.output, options.resume});
+    others.insert(others.end(), {options.output, options.resume, sums_path(options.output),
+                                 sums_path(options.resume)});
     check_writable(options.stats);
     check_distinct(options.stats, others);
 }
@@ -71,7 +75,8 @@ RenderSettings final_settings(const RenderOptions& options) {
 }
 
 // What --resume goes on from; empty without it.
-Exposure begun(const RenderOptions& options, const Image& header, const RenderSettings& settings) {
+Exposure begun(const RenderOptions& options, const Scene& scene, const Image& header,
+               const RenderSettings& settings) {
     if (options.resume.empty()) return {};
     const std::string place = options.resume + ": --resume: ";
     const Image other = read_exr_header(options.resume);
@@ -82,13 +87,19 @@ Exposure begun(const RenderOptions& options, const Image& header, const RenderSe
         throw Error(place +
                     "it has no sums to go on from (rendered with --final, or merged); render "
                     "it anew");
-    if (header.attributes.at("seed") != other.attributes.at("seed"))
-        throw Error(place + "it has seed " + std::get<std::string>(other.attributes.at("seed")) +
+    const std::string* seed = other.text("seed");
+    if (!seed || *seed != *header.text("seed"))
+        throw Error(place + "it has seed " + (seed ? *seed : "none") +
                     "; give --seed with that, or merge renders of different seeds");
     Exposure exposure = read_exposure(sums_path(options.resume));
     if (fingerprint(exposure) != *sums)
         throw Error(place + "the sums in " + sums_path(options.resume).string() +
                     " are of another render; render it anew");
+    const auto instances = static_cast<std::int32_t>(scene.instances.size());
+    for (std::int32_t instance : exposure.instance)
+        if (instance >= instances)
+            throw Error(place + "the sums in " + sums_path(options.resume).string() +
+                        " name what is not in the scene; render it anew");
     if (exposure.replicates != settings.replicates)
         throw Error(place + "it has " + std::to_string(exposure.replicates) +
                     " replicates; give --replicates with that");
@@ -144,7 +155,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     Inputs in = read_inputs(options);
     const RenderSettings settings = final_settings(options);
     Image header = make_header(options, in, settings, command_line);
-    Exposure exposure = begun(options, header, settings);
+    Exposure exposure = begun(options, in.scene, header, settings);
     stats.load_s = seconds_since(start);
 
     auto last = Clock::now();
@@ -246,7 +257,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                        "Samples a pixel, rounded up to as many of each replicate (beyond "
                        "64 of each to one of 32 steps in a doubling); with "
                        "--target-error or --time-limit the most, by default 1048576")
-            ->check(CLI::Range(1u, 1u << 30))
+            ->check(CLI::Range(1u, 1u << 23))
             ->capture_default_str();
     sub.add_option("--max-depth", s.max_depth,
                    "Surface reflections on a path: 1 = sky light only, 2 = target-background too")
@@ -279,7 +290,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "never stopped (--spp, --target-error: of all its samples together)");
     sub.add_flag("--final", o.final,
                  "Do not write OUT.exr.sums, the sums of samples beside the image that --resume "
-                 "needs (128 bytes a pixel and wavelength)");
+                 "needs (16 bytes a pixel, wavelength and replicate)");
     sub.add_flag("--debias", o.debias,
                  "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                  "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "

@@ -109,12 +109,20 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
                            options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.insert(header.attributes.begin(), header.attributes.end());
     image.attributes["stoppedBy"] = to_text(result.stopped_by);
-    if (!options.final) image.attributes["sumsHash"] = fingerprint(result.exposure);
-    write_exr(path, image);
-    if (options.final) return;
+    if (options.final) return write_exr(path, image);
+    // The sums are the larger file, so they are tried first, and take their place last: what is on
+    // the disk belongs together whatever fails.
+    const std::filesystem::path fresh = sums_path(path).string() + ".new";
     try {
-        write_exposure(sums_path(path), result.exposure);
+        write_exposure(fresh, result.exposure);
+        image.attributes["sumsHash"] = fingerprint(result.exposure);
+        write_exr(path, image);
+        std::filesystem::rename(fresh, sums_path(path));
     } catch (const Error& problem) {
+        std::error_code ignored;
+        std::filesystem::remove(fresh, ignored);
+        image.attributes.erase("sumsHash");
+        write_exr(path, image);
         throw Error(std::string(problem.what()) + "; " + path +
                     " is whole, but --resume cannot go on");
     }
@@ -130,7 +138,11 @@ double seconds_to_write(const RenderResult& result, const Labels& labels,
     double seconds = HUGE_VAL;
     for (int i = 0; i < 2; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        write_image(trial, part, labels, options, header);
+        try {
+            write_image(trial, part, labels, options, header);
+        } catch (const Error&) {
+            seconds = 0;  // then writing will say what is wrong
+        }
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
         seconds = std::min(seconds, took.count());
     }

@@ -61,11 +61,20 @@ std::vector<double> exposure_wavelengths(const Image& image) {
 }
 
 Exposure exposure_of(const Image& image) {
-    Exposure e(image.width, image.height, exposure_wavelengths(image), replicates_of(image));
+    const std::vector<double> wavelengths_nm = exposure_wavelengths(image);
+    const std::uint32_t replicates = replicates_of(image);
+    if (image.channels.size() != 6 + replicates * (1 + 4 * wavelengths_nm.size()))
+        throw Error("it has " + std::to_string(image.channels.size()) +
+                    " channels, which do not fit " + std::to_string(replicates) +
+                    " replicates at " + std::to_string(wavelengths_nm.size()) + " wavelengths");
+    Exposure e(image.width, image.height, wavelengths_nm, replicates);
     take(image, "Sum.taken", 0u, e.taken);
     take(image, "Sum.wanted", 0u, e.wanted);
     take(image, "Sum.covered", 0u, e.covered);
-    take(image, "Sum.distance", 0.0f, e.distance);
+    e.distance = channel(image, "Sum.distance");
+    for (float metres : e.distance)
+        if (!(metres >= 0 && std::isfinite(metres)))
+            throw Error("channel 'Sum.distance' holds " + std::to_string(metres));
     take(image, "Sum.instance", -1, e.instance);
     take(image, "Sum.votes", 0u, e.votes);
     for (std::size_t r = 0; r < e.replicates; ++r) {
@@ -102,6 +111,7 @@ std::string fingerprint(const Exposure& e) {
     Digest digest;
     for (const auto* counts : {&e.kept, &e.taken, &e.wanted, &e.covered, &e.votes})
         for (std::uint32_t n : *counts) digest.add(n);
+    for (std::int32_t i : e.instance) digest.add(static_cast<std::uint32_t>(i));
     for (const auto* sums : {&e.stokes, &e.distance})
         for (float sum : *sums) digest.add(std::bit_cast<std::uint32_t>(sum));
     return digest.text();

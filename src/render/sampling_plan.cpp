@@ -47,7 +47,9 @@ SamplingPlan::SamplingPlan(const RenderSettings& settings, const Exposure& expos
 }
 
 void SamplingPlan::measure(const Film& film, std::size_t pixel) {
-    if (adaptive()) error_[pixel] = static_cast<float>(pixel_error(film, pixel).value_or(-1));
+    constexpr double kHuge = 1e6;  // keeps what overflowed finite
+    if (adaptive())
+        error_[pixel] = static_cast<float>(std::min(kHuge, pixel_error(film, pixel).value_or(-1)));
 }
 
 std::vector<std::size_t> SamplingPlan::round(const Exposure& exposure) const {
@@ -67,8 +69,12 @@ std::vector<std::size_t> SamplingPlan::round(const Exposure& exposure) const {
 
 std::optional<StoppedBy> SamplingPlan::plan_round(Exposure& exposure) const {
     // A render that goes on first ends the round in which it was stopped.
-    for (std::size_t i = 0; i < exposure.pixel_count(); ++i)
-        if (exposure.taken[i] < std::min(exposure.wanted[i], cap_)) return std::nullopt;
+    bool unfinished = false;
+    for (std::size_t i = 0; i < exposure.pixel_count(); ++i) {
+        exposure.wanted[i] = std::max(exposure.taken[i], std::min(exposure.wanted[i], cap_));
+        unfinished |= exposure.taken[i] < exposure.wanted[i];
+    }
+    if (unfinished) return std::nullopt;
     const std::uint32_t least = *std::min_element(exposure.taken.begin(), exposure.taken.end());
     if (!adaptive() || least < std::min(kPilot, cap_)) return plan_evenly(exposure, least);
     return plan_adaptively(exposure, least);
@@ -91,12 +97,39 @@ std::optional<StoppedBy> SamplingPlan::plan_adaptively(Exposure& exposure,
         return StoppedBy::kTargetError;
     if (error == 0) return plan_evenly(exposure, least);
     if (beyond_help(exposure)) return StoppedBy::kSamples;
-    double goal = std::max(settings_.target_error, kFall * error) / kSpread;
-    std::vector<std::size_t> pixels;
-    // Scattered bad pixels in good places may keep the target from being met: then the goal falls.
-    for (; pixels.empty(); goal *= 0.9) pixels = above(goal, smoothed, exposure);
-    for (std::size_t i : pixels) exposure.wanted[i] = std::min(cap_, next_level(exposure.taken[i]));
+    // Scattered bad pixels in good places may keep the target from being met: then the goal falls
+    // to what is worst among the others.
+    double worst = 0;
+    for (std::size_t i = 0; i < smoothed.size(); ++i)
+        if (exposure.taken[i] < cap_) worst = std::max(worst, smoothed[i]);
+    const double goal =
+        std::min(0.9 * worst, std::max(settings_.target_error, kFall * error) / kSpread);
+    for (std::size_t i : above(goal, smoothed, exposure))
+        exposure.wanted[i] = std::min(cap_, next_level(exposure.taken[i]));
+    keep_pace(exposure);
     return std::nullopt;
+}
+
+// A pixel that has not met a surface yet may show a little of one beside it: it gets as many samples
+// as the least sampled of these, or edges would look thinner than they are.
+void SamplingPlan::keep_pace(Exposure& exposure) const {
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            const std::size_t i = index(x, y);
+            if (error_[i] >= 0) continue;
+            std::uint32_t least = cap_ + 1;
+            for_neighbours(x, y, [&](int u, int v) {
+                if (error_[index(u, v)] >= 0) least = std::min(least, exposure.wanted[index(u, v)]);
+            });
+            if (least <= cap_) exposure.wanted[i] = std::max(exposure.wanted[i], least);
+        }
+}
+
+// The pixel itself and those around it.
+template <class Visit>
+void SamplingPlan::for_neighbours(int x, int y, Visit visit) const {
+    for (int v = std::max(0, y - 1); v <= std::min(height_ - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(width_ - 1, x + 1); ++u) visit(u, v);
 }
 
 // Have more pixels than may miss the target had all the samples they can get?
@@ -127,13 +160,12 @@ std::vector<double> SamplingPlan::smoothed_errors() const {
             const double own = static_cast<double>(error_[index(x, y)]);
             if (own < 0) continue;
             double squares = 0, weights = 0;
-            for (int v = std::max(0, y - 1); v <= std::min(height_ - 1, y + 1); ++v)
-                for (int u = std::max(0, x - 1); u <= std::min(width_ - 1, x + 1); ++u) {
-                    const double e = static_cast<double>(error_[index(u, v)]);
-                    if (e < 0) continue;
-                    const double weight = (u == x ? 2 : 1) * (v == y ? 2 : 1);
-                    squares += weight * sqr(std::min(e, kMost * own)), weights += weight;
-                }
+            for_neighbours(x, y, [&](int u, int v) {
+                const double e = static_cast<double>(error_[index(u, v)]);
+                if (e < 0) return;
+                const double weight = (u == x ? 2 : 1) * (v == y ? 2 : 1);
+                squares += weight * sqr(std::min(e, kMost * own)), weights += weight;
+            });
             smoothed[index(x, y)] = std::sqrt(squares / weights);
         }
     return smoothed;
@@ -164,6 +196,8 @@ std::vector<std::size_t> SamplingPlan::above(double goal, const std::vector<doub
     for (auto c = candidates.begin(); c != candidates.end(); ++c)
         if (c - candidates.begin() >= hard || exposure.taken[c->pixel] * surface < samples)
             pixels.push_back(c->pixel);
+    if (pixels.empty())  // none but hard ones are left
+        for (const Candidate& c : candidates) pixels.push_back(c.pixel);
     return pixels;
 }
 

@@ -10,7 +10,7 @@
 //
 // No bias worth the name: whether a pixel goes on is decided by the spread of nine pixels, of which
 // its own counts a quarter.
-// Both   only of pixels that show a surface. A plan depends on exposure and film alone, so that a
+// Both   only of pixels that show a surface; those beside them that do not keep pace with them. A plan depends on exposure and film alone, so that a
 //        render that goes on decides as one that never stopped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
@@ -50,7 +50,10 @@ class SamplingPlan {
     std::optional<StoppedBy> plan_adaptively(Exposure& exposure, std::uint32_t least) const;
     std::vector<std::size_t> above(double goal, const std::vector<double>& smoothed,
                                    const Exposure& exposure) const;
+    void keep_pace(Exposure& exposure) const;
     bool beyond_help(const Exposure& exposure) const;
+    template <class Visit>
+    void for_neighbours(int x, int y, Visit visit) const;
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                static_cast<std::size_t>(x);

@@ -20,7 +20,7 @@ Exposure numbered() {
         e.taken[i] = static_cast<std::uint32_t>(20 + i);
         e.wanted[i] = static_cast<std::uint32_t>(40 + i);
         e.covered[i] = static_cast<std::uint32_t>(i);
-        e.distance[i] = static_cast<float>(i) / 3;
+        e.distance[i] = 1e12f * static_cast<float>(i) / 3;
         e.instance[i] = static_cast<std::int32_t>(i) - 1;
         e.votes[i] = static_cast<std::uint32_t>(2 * i);
         for (std::size_t r = 0; r < 4; ++r)
@@ -52,9 +52,15 @@ TEST_CASE("Exposure file: every number comes back") {
     CHECK(back.instance == e.instance);
     CHECK(back.votes == e.votes);
     CHECK(fingerprint(back) == fingerprint(e));
-    Exposure other = e;
-    other.stokes.back() += 1;
-    CHECK(fingerprint(other) != fingerprint(e));
+    const auto changed = [&](auto field) {
+        Exposure other = e;
+        (other.*field).back() = 2 * (other.*field).back() + 1;
+        return fingerprint(other) != fingerprint(e);
+    };
+    CHECK((changed(&Exposure::stokes) && changed(&Exposure::kept) && changed(&Exposure::taken)));
+    CHECK((changed(&Exposure::wanted) && changed(&Exposure::covered)));
+    CHECK((changed(&Exposure::distance) && changed(&Exposure::instance)));
+    CHECK(changed(&Exposure::votes));
 }
 
 TEST_CASE("Exposure file: sums that cannot be any render's are refused") {
@@ -68,14 +74,22 @@ TEST_CASE("Exposure file: sums that cannot be any render's are refused") {
         CHECK_THROWS_WITH(read_exposure(path), Contains("bad.exr.sums") && Contains(word));
     };
     using Channels = std::map<std::string, std::vector<float>>;
-    refused([](Channels& c) { c.erase("Sum.votes"); }, "'Sum.votes' is missing");
-    refused([](Channels& c) { c.erase("Sum2_S3.440,000000nm"); },
-            "'Sum2_S3.440,000000nm' is missing");
+    const auto renamed = [](const std::string& from) {
+        return [from](Channels& c) { c["Sum.other"] = c[from], c.erase(from); };
+    };
+    refused(renamed("Sum.votes"), "'Sum.votes' is missing");
+    refused(renamed("Sum2_S3.440,000000nm"), "'Sum2_S3.440,000000nm' is missing");
+    refused([](Channels& c) { c["Sum4.kept"] = c["Sum3.kept"]; }, "do not fit 5 replicates");
+    refused([](Channels& c) { c["Sum.distance"][2] = INFINITY; }, "'Sum.distance' holds");
     refused([](Channels& c) { c["Sum1_S2.440,000000nm"][3] = NAN; }, "not finite");
     refused([](Channels& c) { c["Sum1.kept"][0] = 21; }, "contradict");
     refused([](Channels& c) { c["Sum.taken"][5] = 65; }, "contradict");
     refused([](Channels& c) { c["Sum.covered"][0] = NAN; }, "'Sum.covered' holds");
     refused([](Channels& c) { c["Sum.instance"][0] = -2; }, "'Sum.instance' holds");
-    refused([](Channels& c) { c = {{"S0.440,000000nm", c["Sum.taken"]}}; }, "is missing");
+    refused(
+        [](Channels& c) {
+            c = {{"S0.440,000000nm", c["Sum.taken"]}};
+        },
+        "do not fit 0 replicates");
     CHECK_THROWS_WITH(read_exposure(folder / "none.exr.sums"), Contains("not found"));
 }

@@ -86,6 +86,7 @@ TEST_CASE("Adaptive: over 200 seeds the mean picture is that of fixed sampling",
     const std::size_t values = 20 * 15 * 2 * 3;
     std::vector<std::vector<double>> mean_of_picture[2];
     Sums sums[2];
+    double most_over_least = HUGE_VAL;
     const Film scale = [&] {  // what to divide by: any picture will do, if it is the same for both
         RenderSettings many = settings;
         many.spp = 4096, many.seed = 1000;
@@ -104,6 +105,9 @@ TEST_CASE("Adaptive: over 200 seeds the mean picture is that of fixed sampling",
             run.seed += adaptive ? 5000 : 0;
             const Film film = render(scene, camera, run).film;
             s.samples += mean_samples(film) / kSeeds;
+            const auto [least, most] =
+                std::minmax_element(film.samples.begin(), film.samples.end());
+            if (adaptive) most_over_least = std::min(most_over_least, 1.0 * *most / *least);
             std::vector<double> picture(6);
             for (std::size_t v = 0; v < values; ++v) {
                 const std::size_t i = v / 6, w = v / 3 % 2, c = v % 3;
@@ -120,6 +124,7 @@ TEST_CASE("Adaptive: over 200 seeds the mean picture is that of fixed sampling",
     // Work went where the error is: the most samples in a pixel are many times the fewest.
     CAPTURE(sums[1].samples);
     CHECK(sums[1].samples < 128);
+    CHECK(most_over_least > 4);
 
     // Bias of the picture's mean, for S0, S1, S2 at two wavelengths: within 4 standard errors (false
     // alarms 4e-4) and below a tenth of the target.

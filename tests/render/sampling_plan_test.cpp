@@ -134,3 +134,43 @@ TEST_CASE("Sampling plan: under a time limit alone, a picture without noise is s
     for (std::size_t i = 0; i < 100; ++i) p.take(i, 8);
     CHECK(p.plan() == StoppedBy::kSamples);
 }
+
+TEST_CASE("Sampling plan: when none but the hardest pixels are left, they are served") {
+    // Most of the surface gets no light and stays at the pilot, which holds the mean down; 45 bad
+    // pixels have all they can get, 25 have had more than the mean.
+    Pictured p(100, 10, 0.01, 8 * 1024);
+    const auto error = [](std::size_t i) { return i < 45 ? 0.5 : i < 70 ? 0.2 : 0.0; };
+    for (std::size_t i = 0; i < 1000; ++i) {
+        p.set_error(i, error(i));
+        if (i < 70) p.take(i, i < 45 ? 1024 : 64);
+        if (i >= 70) p.film.stokes[i].mean = {0, 0, 0, 0};
+    }
+    REQUIRE_FALSE(p.plan());
+    CHECK(p.exposure.wanted[50] == 96);
+    CHECK(p.exposure.wanted[0] == 1024);
+    CHECK(p.exposure.wanted[500] == 4);
+}
+
+TEST_CASE(
+    "Sampling plan: a pixel beside a surface keeps pace with it, whatever it has seen so far") {
+    Pictured p(10, 10, 0.01);
+    for (std::size_t i = 0; i < 100; ++i) {
+        p.set_error(i, 0.05);
+        p.take(i, i % 10 < 5 ? 64 : 4);
+        if (i % 10 >= 5) p.film.coverage[i] = 0;
+    }
+    p.set_error(90, 0.5);  // the hardest, which waits
+    REQUIRE_FALSE(p.plan());
+    for (std::size_t y = 0; y < 10; ++y) {
+        CHECK(p.exposure.wanted[10 * y + 4] == 96);
+        CHECK(p.exposure.wanted[10 * y + 5] >= 64);
+        CHECK(p.exposure.wanted[10 * y + 6] == 4);
+    }
+}
+
+TEST_CASE("Sampling plan: a round that was begun under a larger cap is ended under the new one") {
+    Pictured p(5, 3, 0, 8 * 40);
+    for (std::size_t i = 0; i < 15; ++i) p.take(i, 32), p.exposure.wanted[i] = 64;
+    REQUIRE_FALSE(p.plan());
+    for (std::size_t i = 0; i < 15; ++i) CHECK(p.exposure.wanted[i] == 40);
+}

@@ -4,10 +4,9 @@
 //   Sum3.kept               samples in those sums
 //   Sum.taken  Sum.wanted  Sum.covered  Sum.distance  Sum.instance  Sum.votes
 //
-// Form    OpenEXR without compression: 128 bytes a pixel and wavelength with 8 replicates, which
+// Form    OpenEXR without compression: 16 bytes a pixel, wavelength and replicate, which
 //         compression would make hardly smaller and take long for.
-// Fields  of Exposure (exposure.h), all as floats; counts of a replicate are checkpoints, which
-//         floats hold exactly.
+// Fields  of Exposure (exposure.h), all as floats, which hold counts up to 2²⁴ exactly.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
