@@ -310,9 +310,10 @@ TEST_CASE("Ctrl-C: before each pixel has samples the render ends in one line and
     const TempFolder folder;
     const std::string image = (folder / "image.exr").string();
     const std::string err = (folder / "err").string();
-    // 36 million pixels: 8 samples of each take 10 s and more.
-    const std::string command = quoted(MALUS_PROGRAM) + " " +
-                                small_render(image, "", "--width 6000 --height 6000 --spp 64");
+    // 2.25 million pixels: 8 samples of each take 8 s and more.
+    const std::string command =
+        quoted(MALUS_PROGRAM) + " " +
+        small_render(image, "", "--width 1500 --height 1500 --spp 64 --wavelengths 440");
     const int status = std::system(("timeout -s INT 1 " + command + " 2>" + quoted(err)).c_str());
     // timeout reports 124 when it had to send its signal.
     CHECK(WEXITSTATUS(status) == 124);
