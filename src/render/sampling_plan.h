@@ -10,8 +10,10 @@
 //
 // No bias worth the name: whether a pixel goes on is decided by the spread of nine pixels, of which
 // its own counts a quarter.
-// Both   only of pixels that show a surface; those beside them that do not keep pace with them. A plan depends on exposure and film alone, so that a
-//        render that goes on decides as one that never stopped.
+// Both   only of pixels that show a surface; those beside them that have not met it yet keep pace
+//        with them. One that was dark in all of its first samples is believed to be dark.
+// A plan depends on exposure and film alone, so that a render that goes on decides as one that never
+// stopped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
