@@ -4,8 +4,8 @@
 //   Cov_S0S1.… Cov_S0S2.… Cov_S1S2.…    StdErr_DoLP.…  StdErr_AoLP.…
 //   A  Z  material.id  node.id  N.samples  N.replicates    R G B
 //
-// Units   W m⁻² sr⁻¹ nm⁻¹, Cov its square; DoLP [0,1]; AoLP degrees [0,180); Z metres; ids 0 = sky, else the place
-//         in the header's lists materialNames and nodeNames.
+// Units   W m⁻² sr⁻¹ nm⁻¹, Cov its square; DoLP [0,1]; AoLP degrees [0,180); Z metres; ids 0 = sky,
+//         else the place in the header's lists materialNames and nodeNames.
 // Frame   attribute stokesReferenceFrame: "image" (camera.h) or "meridian" (sky.h).
 // Source  layout: Fichet, Pacanowski, Wilkie, JCGT 10(3) (2021).
 // SPDX-License-Identifier: Apache-2.0

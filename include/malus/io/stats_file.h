@@ -1,8 +1,8 @@
 // stats_file.h — what a render did, as JSON for programs and as a line for people.
 //
 // Keys    version, scene, wavelengths_nm, width, height, spp, replicates, samples {least, mean,
-//         most}: a pixel, max_depth, seed, threads, wall_s {load, build, render, write}, paths, rays, rays_per_s, rejected_samples,
-//         rejected [{x, y, replicate, sample}], peak_memory_mib,
+//         most}: a pixel, max_depth, seed, threads, wall_s {load, build, render, write}, paths, rays,
+//         rays_per_s, rejected_samples, rejected [{x, y, replicate, sample}], peak_memory_mib,
 //         sky_grid {cells, rms_S0_relative, largest_S0_relative, rms_DoLP, largest_DoLP}: what
 //         resampling the sky changed (cells 0: the map itself was used),
 //         error {"440": {rms_S0_relative, p95_S0_relative, rms_DoLP, p95_DoLP}},
