@@ -5,7 +5,7 @@
 //
 // A fixed number of samples is reached in rounds over the whole picture, each of twice the samples.
 // With a target or a time limit, a round serves the pixels with s_i above a goal, which falls from
-// round to round down to the target, which is met when 95 % of max(e_i, 1.2 s_i) are at or below it.
+// round to round down to the target, which is met when 95 % of max(e_i, 1.35 s_i) are at or below it.
 // The hardest 2.5 % of the pixels get no more samples than the mean of all.
 //
 // No bias worth the name: whether a pixel goes on is decided by the spread of nine pixels, of which
