@@ -87,6 +87,10 @@ Exposure begun(const RenderOptions& options, const Scene& scene, const Image& he
         throw Error(place +
                     "it has no sums to go on from (rendered with --final, or merged); render "
                     "it anew");
+    const auto table = other.attributes.find("skyTable");
+    if (table == other.attributes.end() || table->second != header.attributes.at("skyTable"))
+        throw Error(place + "it was rendered " + (settings.sky_table ? "with" : "without") +
+                    " --no-sky-table; do so again");
     const std::string* seed = other.text("seed");
     if (!seed || *seed != *header.text("seed"))
         throw Error(place + "it has seed " + (seed ? *seed : "none") +
@@ -270,6 +274,9 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "Threads; 0: all of the machine. The image does not depend on it")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
+    sub.add_flag(
+        "!--no-sky-table", s.sky_table,
+        "Trace all of the sky's light, instead of what occluders change of the open sky's");
     sub.add_option("--replicates", s.replicates,
                    "Independent scrambles a pixel, whose spread is the error bar")
         ->check(CLI::Range(4u, 256u))
@@ -290,7 +297,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
                    "never stopped (--spp, --target-error: of all its samples together)");
     sub.add_flag("--final", o.final,
                  "Do not write OUT.exr.sums, the sums of samples beside the image that --resume "
-                 "needs (16 bytes a pixel, wavelength and replicate)");
+                 "needs (20 bytes a pixel, wavelength and replicate)");
     sub.add_flag("--debias", o.debias,
                  "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                  "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "

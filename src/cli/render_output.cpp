@@ -99,6 +99,7 @@ Image make_header(const RenderOptions& options, const Inputs& inputs,
     header.attributes["wavelengths"] = to_text(inputs.wavelengths_nm) + " nm";
     header.attributes["samplesPerPixel"] = static_cast<int>(settings.spp);
     header.attributes["maxDepth"] = settings.max_depth;
+    header.attributes["skyTable"] = settings.sky_table ? 1 : 0;
     add_fingerprints(header, inputs);
     return header;
 }

@@ -17,6 +17,9 @@ std::string sum_channel(std::size_t replicate, std::size_t component, double wav
     return spectral_channel("Sum" + std::to_string(replicate) + "_S" + std::to_string(component),
                             wavelength_nm);
 }
+std::string open_channel(std::size_t replicate, double wavelength_nm) {
+    return spectral_channel("Sum" + std::to_string(replicate) + "_open", wavelength_nm);
+}
 std::string kept_channel(std::size_t replicate) {
     return "Sum" + std::to_string(replicate) + ".kept";
 }
@@ -63,7 +66,7 @@ std::vector<double> exposure_wavelengths(const Image& image) {
 Exposure exposure_of(const Image& image) {
     const std::vector<double> wavelengths_nm = exposure_wavelengths(image);
     const std::uint32_t replicates = replicates_of(image);
-    if (image.channels.size() != 6 + replicates * (1 + 4 * wavelengths_nm.size()))
+    if (image.channels.size() != 6 + replicates * (1 + 5 * wavelengths_nm.size()))
         throw Error("it has " + std::to_string(image.channels.size()) +
                     " channels, which do not fit " + std::to_string(replicates) +
                     " replicates at " + std::to_string(wavelengths_nm.size()) + " wavelengths");
@@ -88,6 +91,17 @@ Exposure exposure_of(const Image& image) {
     }
     const std::size_t wavelengths = e.wavelengths_nm.size();
     for (std::size_t r = 0; r < e.replicates; ++r)
+        for (std::size_t w = 0; w < wavelengths; ++w) {
+            const std::string name = open_channel(r, e.wavelengths_nm[w]);
+            const std::vector<float>& shares = channel(image, name);
+            for (std::size_t i = 0; i < e.pixel_count(); ++i) {
+                if (!(shares[i] >= 0 && shares[i] <= 1))
+                    throw Error("channel '" + name + "' holds " + std::to_string(shares[i]));
+                e.open[(i * e.replicates + r) * wavelengths + w] =
+                    static_cast<std::uint8_t>(std::lround(255 * shares[i]));
+            }
+        }
+    for (std::size_t r = 0; r < e.replicates; ++r)
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t w = 0; w < wavelengths; ++w) {
                 const std::string name = sum_channel(r, c, e.wavelengths_nm[w]);
@@ -111,6 +125,7 @@ std::string fingerprint(const Exposure& e) {
     Digest digest;
     for (const auto* counts : {&e.kept, &e.taken, &e.wanted, &e.covered, &e.votes})
         for (std::uint32_t n : *counts) digest.add(n);
+    for (std::uint8_t share : e.open) digest.add(std::uint64_t{share});
     for (std::int32_t i : e.instance) digest.add(static_cast<std::uint32_t>(i));
     for (const auto* sums : {&e.stokes, &e.distance})
         for (float sum : *sums) digest.add(std::bit_cast<std::uint32_t>(sum));
@@ -132,6 +147,12 @@ void write_exposure(const std::filesystem::path& path, const Exposure& e) {
         std::vector<float>& kept = image.channel(kept_channel(r));
         for (std::size_t i = 0; i < kept.size(); ++i)
             kept[i] = static_cast<float>(e.kept[i * e.replicates + r]);
+        for (std::size_t w = 0; w < wavelengths; ++w) {
+            std::vector<float>& shares = image.channel(open_channel(r, e.wavelengths_nm[w]));
+            for (std::size_t i = 0; i < shares.size(); ++i)
+                shares[i] =
+                    static_cast<float>(e.open[(i * e.replicates + r) * wavelengths + w]) / 255;
+        }
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t w = 0; w < wavelengths; ++w)
                 image.borrowed[sum_channel(r, c, e.wavelengths_nm[w])] = {

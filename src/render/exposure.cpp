@@ -20,6 +20,7 @@ Exposure::Exposure(int w, int h, std::vector<double> wavelengths, std::uint32_t 
     : width(w), height(h), replicates(replicate_count), wavelengths_nm(std::move(wavelengths)) {
     const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     stokes.resize(pixels * replicates * replicate_stride());
+    open.resize(pixels * replicates * wavelengths_nm.size());
     kept.resize(pixels * replicates);
     taken.resize(pixels);
     wanted.resize(pixels);
@@ -33,11 +34,13 @@ PixelExposure::PixelExposure(const Exposure& exposure)
     : wavelengths_(exposure.wavelengths_nm.size()),
       replicates_(exposure.replicates),
       sums_(replicates_ * exposure.replicate_stride()),
+      open_(replicates_ * wavelengths_),
       kept_(replicates_) {}
 
 void PixelExposure::load(const Exposure& exposure, std::size_t pixel) {
     const float* sums = exposure.stokes.data() + pixel * sums_.size();
     std::copy(sums, sums + sums_.size(), sums_.begin());
+    std::copy_n(exposure.open.data() + pixel * open_.size(), open_.size(), open_.begin());
     const std::uint32_t* kept = exposure.kept.data() + pixel * replicates_;
     std::copy(kept, kept + replicates_, kept_.begin());
     taken_ = exposure.taken[pixel];
@@ -52,6 +55,7 @@ void PixelExposure::store(Exposure& exposure, std::size_t pixel) const {
     float* sums = exposure.stokes.data() + pixel * sums_.size();
     std::transform(sums_.begin(), sums_.end(), sums,
                    [](double x) { return static_cast<float>(x); });
+    std::copy(open_.begin(), open_.end(), exposure.open.data() + pixel * open_.size());
     std::copy(kept_.begin(), kept_.end(), exposure.kept.data() + pixel * replicates_);
     exposure.taken[pixel] = taken_;
     exposure.covered[pixel] = covered_;
@@ -60,7 +64,8 @@ void PixelExposure::store(Exposure& exposure, std::size_t pixel) const {
     exposure.votes[pixel] = votes_;
 }
 
-bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t stride) {
+bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t stride,
+                        const float* open) {
     // Far above any radiance and far below where sums overflow. NaN compares as false.
     constexpr float kMost = 1e30f;
     bool fit = true;
@@ -73,7 +78,24 @@ bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t str
         for (std::size_t w = 0; w < wavelengths_; ++w)
             sums[c * wavelengths_ + w] += static_cast<double>(S[c * stride + w]);
     ++kept_[replicate];
+    if (!open) return true;
+    const std::uint8_t* shares = open_.data() + replicate * wavelengths_;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t w = 0; w < wavelengths_; ++w)
+            sums[c * wavelengths_ + w] +=
+                (shares[w] / 255.0) * static_cast<double>(open[c * stride + w]);
     return true;
+}
+
+void PixelExposure::set_open(std::uint32_t replicate, std::size_t wavelength, double share) {
+    open_[replicate * wavelengths_ + wavelength] =
+        static_cast<std::uint8_t>(std::lround(255 * share));
+}
+
+bool PixelExposure::is_open(std::uint32_t replicate) const {
+    const auto shares = open_.begin() + static_cast<std::ptrdiff_t>(replicate * wavelengths_);
+    return std::any_of(shares, shares + static_cast<std::ptrdiff_t>(wavelengths_),
+                       [](std::uint8_t share) { return share > 0; });
 }
 
 void PixelExposure::add_surface(int instance, double distance) {
@@ -105,6 +127,17 @@ Stokes<double> PixelExposure::replicate_mean(std::size_t replicate, std::size_t 
                                                      sums[3 * wavelengths_]};
 }
 
+// What chance may have put above |(S1,S2,S3)| = S0 where the sky table's differences are in the
+// means; 0 where they are not. `C`: products of deviations, as develop() has them.
+double PixelExposure::noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
+                                           double norm) const {
+    constexpr double kErrors = 6;
+    for (std::size_t r = 0; r < replicates_; ++r)
+        if (open_[r * wavelengths_ + wavelength] > 0)
+            return kErrors * std::sqrt(norm * (C[0] + C[3] + C[5] + C[6]));
+    return 0;
+}
+
 void PixelExposure::develop(Film& film, std::size_t pixel) const {
     const double seen = static_cast<double>(taken_) * static_cast<double>(replicates_);
     film.instance[pixel] = leader_;
@@ -131,7 +164,7 @@ void PixelExposure::develop(Film& film, std::size_t pixel) const {
         const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
         for (std::size_t e = 0; e < C.size(); ++e)
             out.covariance[e] = static_cast<float>(norm * C[e]);
-        out.mean = held_physical(out.mean);
+        out.mean = held_physical(out.mean, noise_of_differences(w, C, norm));
     }
 }
 

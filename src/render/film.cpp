@@ -22,22 +22,23 @@ double widening(const PixelStokes& pixel) {
 
 }  // namespace
 
-Stokes<double> held_physical(const Stokes<double>& S) {
+Stokes<double> held_physical(const Stokes<double>& S, double noise) {
     constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
     const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
-    if (polarized <= most || polarized > (1 + kRoundings) * S.s0) return S;
+    if (polarized <= most || polarized > (1 + kRoundings) * S.s0 + noise) return S;
+    if (S.s0 <= 0) return {};
     const double shrink = most / polarized;
     return {S.s0, shrink * S.s1, shrink * S.s2, shrink * S.s3};
 }
 
 double relative_stderr_s0(const PixelStokes& pixel) {
-    if (!(pixel.mean.s0 > 0)) return 0;
+    if (!(pixel.mean.s0 > 0)) return pixel.covariance[k00] > 0 ? 1 : 0;
     return std::sqrt(static_cast<double>(pixel.covariance[k00])) / pixel.mean.s0;
 }
 
 double stderr_dolp(const PixelStokes& pixel) {
     const Stokes<double>& S = pixel.mean;
-    if (!(S.s0 > 0)) return 0;
+    if (!(S.s0 > 0)) return pixel.covariance[k00] > 0 ? 1 : 0;
     const double wider = widening(pixel);
     if (wider == HUGE_VAL) return 1;
     const auto c = [&](Entry e) { return static_cast<double>(pixel.covariance[e]); };

@@ -46,6 +46,17 @@ Stokes<Lanes> reflected(const Surface& surface, std::size_t first, const Bounce&
     return turned(real<Lanes>(bounce.weight) * (f * in), bounce.out);
 }
 
+// Light from wi as a node reflects it; `weight` without the cosine. No light from below its plane.
+Bounce open_bounce(const SkyNode& node, const Vec3& wi, double weight) {
+    Bounce bounce;
+    if (!(dot(wi, node.n) > 0) || wi.y < 0) return bounce;
+    bounce.geometry = reflection(node.n, wi, node.wo);
+    bounce.in = turn_between(fixed_frame(wi), bounce.geometry.in);
+    bounce.out = turn_between(bounce.geometry.out, node.toward);
+    bounce.weight = bounce.geometry.cos_i * weight;
+    return bounce;
+}
+
 // Moves the origin of a ray from far away to where it enters the ball around the scene, in double:
 // floats are too coarse for an origin at a satellite. Returns the way saved, m.
 double approach(Ray& ray, double radius) {
@@ -72,9 +83,17 @@ double PathTracer::light_weight(double by_light, double by_surface, Lighting dra
     return 1 / (drawn_by == Lighting::kLightSamples ? by_light : by_surface);
 }
 
+std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
+    Ray ray = picture_.ray(pixel_x + 0.5, pixel_y + 0.5);
+    ray.origin = ray.origin - scene_.accel.center();
+    approach(ray, scene_.accel.radius());
+    return scene_.accel.intersect(ray.origin, ray.direction);
+}
+
 void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
-                       Path& path) const {
+                       Path& path, const SkyTable* table) const {
     path.vertices.clear();
+    path.open = {};
     path.sees_sun = false;
     SamplePoint u = sampler.point(sample, 0);
     Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
@@ -103,7 +122,15 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // Light from a direction drawn by the sky's brightness, and from the sun.
         const Basis basis(hit->n, wo);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
-        sample_sky(*hit, basis, wo, lobes, u, toward, path);
+        const SkyNode* open = nullptr;
+        if (depth == 1 && table) {
+            path.open.node = table->find(pixel_x, pixel_y, hit->instance, hit->n);
+            if (path.open.node >= 0) {
+                open = &table->node(path.open.node);
+                path.open.scale = open->cos_o / dot(hit->n, wo);
+            }
+        }
+        sample_sky(*hit, basis, wo, lobes, u, toward, open, path);
         if (scene_.sun.present()) {
             const std::uint32_t block = kSunBlocks + static_cast<std::uint32_t>(depth);
             sample_sun(*hit, basis, wo, lobes, sampler.point(sample, block), toward, path);
@@ -112,9 +139,15 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // A direction drawn by the surface's lobes; facets that point it underground reflect none.
         const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
         const Vec3 wi = basis.to_world(local);
-        if (!(local.z > 0) || !(dot(wi, hit->ng) > 0)) return;
+        if (!(local.z > 0)) return;
         const double pdf = lobes.pdf(local);
         if (!(pdf > 0)) return;
+        if (open) {
+            path.open.onward_light = scene_.sky.locate(wi);
+            path.open.onward =
+                open_bounce(*open, wi, path.open.scale / (path.open.onward_light.pdf + pdf));
+        }
+        if (!(dot(wi, hit->ng) > 0)) return;
         vertex.onward.geometry = reflection(hit->n, wi, wo);
         vertex.onward.out = turn_between(vertex.onward.geometry.out, toward);
         const double cos_i = vertex.onward.geometry.cos_i;
@@ -132,6 +165,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
             toward = vertex.onward.geometry.in;
         } else {
             vertex.onward_light = scene_.sky.locate(wi);
+            if (depth == 1) path.open.onward_seen = true;
             vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
             const double weight =
                 light_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);
@@ -154,18 +188,70 @@ bool PathTracer::sees_sky(const Hit& hit, const Vec3& w, Path& path) const {
 // Fills the last vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
 void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                             const DirectionSampler::View& lobes, const SamplePoint& u,
-                            const BeamFrame& toward, Path& path) const {
+                            const BeamFrame& toward, const SkyNode* open, Path& path) const {
     const LightSample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
-    if (!(sky.light.pdf > 0) || !sees_sky(hit, sky.w, path)) return;
+    if (!(sky.light.pdf > 0)) return;
+    const bool seen = sees_sky(hit, sky.w, path);
+    if (!seen && !open) return;
+    const double by_surface = lobes.pdf(basis.to_local(sky.w));
+    if (open) {
+        path.open.sky_sample_light = sky.light;
+        path.open.sky_sample_seen = seen;
+        path.open.sky_sample =
+            open_bounce(*open, sky.w, path.open.scale / (sky.light.pdf + by_surface));
+    }
+    if (!seen) return;
     Vertex& vertex = path.vertices.back();
     Bounce& bounce = vertex.sky_sample;
     bounce.geometry = reflection(hit.n, sky.w, wo);
     bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);
     bounce.out = turn_between(bounce.geometry.out, toward);
     bounce.weight =
-        bounce.geometry.cos_i *
-        light_weight(sky.light.pdf, lobes.pdf(basis.to_local(sky.w)), Lighting::kLightSamples);
+        bounce.geometry.cos_i * light_weight(sky.light.pdf, by_surface, Lighting::kLightSamples);
     vertex.sky_sample_light = sky.light;
+}
+
+void PathTracer::trace_open(const SkyNode& node, const Sampler& sampler, std::uint32_t sample,
+                            Path& path) const {
+    path.open = {};
+    const SamplePoint u = sampler.point(sample, 0);
+    const Basis basis(node.n, node.wo);
+    const DirectionSampler::View lobes(scene_.surface_of(node.instance).directions(),
+                                       basis.to_local(node.wo));
+    const LightSample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
+    if (sky.light.pdf > 0) {
+        path.open.sky_sample_light = sky.light;
+        path.open.sky_sample =
+            open_bounce(node, sky.w, 1 / (sky.light.pdf + lobes.pdf(basis.to_local(sky.w))));
+    }
+    const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
+    if (!(local.z > 0)) return;
+    const double pdf = lobes.pdf(local);
+    if (!(pdf > 0)) return;
+    const Vec3 wi = basis.to_world(local);
+    path.open.onward_light = scene_.sky.locate(wi);
+    path.open.onward = open_bounce(node, wi, 1 / (path.open.onward_light.pdf + pdf));
+}
+
+void PathTracer::shade_open(const Path& path, const SkyNode& node, float* C) const {
+    const Surface& surface = scene_.surface_of(node.instance);
+    const OpenSky& open = path.open;
+    const auto light = [&](const Bounce& bounce, const LightLookup& from, std::size_t first) {
+        if (!(bounce.weight > 0) || !is_sky(from.at))
+            return Stokes<Lanes>{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
+        return reflected(surface, first, bounce, sky_light(scene_.sky, from.at, first));
+    };
+    for (std::size_t first = 0; first < stride(); first += kLanes) {
+        const Stokes<Lanes> a = light(open.sky_sample, open.sky_sample_light, first);
+        const Stokes<Lanes> b = light(open.onward, open.onward_light, first);
+        (a.s0 + b.s0).store_unaligned(C + first);
+        (a.s1 + b.s1).store_unaligned(C + stride() + first);
+        (a.s2 + b.s2).store_unaligned(C + 2 * stride() + first);
+        (a.s3 + b.s3).store_unaligned(C + 3 * stride() + first);
+        const Lanes seen =
+            (open.sky_sample_seen ? a.s0 : Lanes(0.f)) + (open.onward_seen ? b.s0 : Lanes(0.f));
+        seen.store_unaligned(C + 4 * stride() + first);
+    }
 }
 
 // Fills the last vertex's sun_sample if a direction to the sun's disc sees it.

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "malus/core/sampler.h"
-#include "render/prepared_scene.h"
+#include "render/sky_table.h"
 
 namespace malus {
 
@@ -39,6 +39,15 @@ struct Vertex {
     double onward_sun = 0;  ///< weight of the sun's light there, in onward.weight; 0 off the disc
 };
 
+/// What the first vertex would reflect of an open sky at a node of the sky table.
+struct OpenSky {
+    int node = -1;     ///< −1: none
+    double scale = 1;  ///< g of sky_table.h, in the weights of the bounces, too
+    Bounce sky_sample, onward;
+    LightLookup sky_sample_light, onward_light;
+    bool sky_sample_seen = false, onward_seen = false;  ///< does the light reach the vertex?
+};
+
 enum class RayKind { kFirstHit, kAnyHit };
 struct TracedRay {
     Ray ray;
@@ -48,7 +57,8 @@ struct TracedRay {
 /// What a path needs to be shaded. Reused from path to path.
 struct Path {
     std::vector<Vertex> vertices;  ///< from the detector on
-    SkyLookup sky;                 ///< what the detector sees directly, if no vertex
+    OpenSky open;
+    SkyLookup sky;  ///< what the detector sees directly, if no vertex
     Turn sky_turn;
     bool sees_sun = false;                  ///< the sun's disc is there, too
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
@@ -65,17 +75,27 @@ class PathTracer {
     PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
                const RenderSettings& settings);
 
-    /// The path of `sample` through the box of pixel (pixel_x, pixel_y).
-    void trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
-               Path& path) const;
+    /// The path of `sample` through the box of pixel (pixel_x, pixel_y); with a table, what the open
+    /// sky would bring, too.
+    void trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample, Path& path,
+               const SkyTable* table = nullptr) const;
     /// Stokes vectors in the image frame: four rows of stride() floats, wavelength innermost.
     void shade(const Path& path, float* S) const;
+
+    /// A sample of a node's open sky into path.open; no ray.
+    void trace_open(const SkyNode& node, const Sampler& sampler, std::uint32_t sample,
+                    Path& path) const;
+    /// As shade(), of path.open (g C); in a fifth row S0 of what reaches the vertex.
+    void shade_open(const Path& path, const SkyNode& node, float* C) const;
+
+    /// The surface in the middle of a pixel.
+    std::optional<Hit> look(int pixel_x, int pixel_y) const;
     std::size_t stride() const { return padded(scene_.wavelengths_nm.size()); }
 
   private:
     void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                     const DirectionSampler::View& lobes, const SamplePoint& u,
-                    const BeamFrame& toward, Path& path) const;
+                    const BeamFrame& toward, const SkyNode* open, Path& path) const;
     void sample_sun(const Hit& hit, const Basis& basis, const Vec3& wo,
                     const DirectionSampler::View& lobes, const SamplePoint& u,
                     const BeamFrame& toward, Path& path) const;

@@ -27,13 +27,21 @@ Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t first,
     return Lanes::load_aligned(values.data());
 }
 
-// Least RMS slope of the paints in use that reflect by facets.
+// Least RMS slope of a paint that reflects by facets; infinity where it does not.
+double sharpest_slope(const Material& material, std::span<const double> wavelengths_nm) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& row : rows_at(material, wavelengths_nm))
+        if (row.B > 0) least = std::min(least, row.sigma);
+    return least;
+}
+
+// Of the paints in use.
 double sharpest_slope(const std::vector<int>& paints, const std::vector<Material>& materials,
                       std::span<const double> wavelengths_nm) {
     double least = std::numeric_limits<double>::infinity();
     for (int paint : std::set<int>(paints.begin(), paints.end()))
-        for (const auto& row : rows_at(materials[static_cast<std::size_t>(paint)], wavelengths_nm))
-            if (row.B > 0) least = std::min(least, row.sigma);
+        least = std::min(
+            least, sharpest_slope(materials[static_cast<std::size_t>(paint)], wavelengths_nm));
     return least;
 }
 
@@ -42,7 +50,8 @@ double sharpest_slope(const std::vector<int>& paints, const std::vector<Material
 Surface::Surface(const Material& material, std::span<const double> wavelengths_nm)
     : slopes_(material.slopes),
       attenuation_(material.attenuation),
-      directions_(rows_at(material, wavelengths_nm), material.slopes) {
+      directions_(rows_at(material, wavelengths_nm), material.slopes),
+      sharpest_slope_(malus::sharpest_slope(material, wavelengths_nm)) {
     using P = PriestGermer<double>;
     const auto rows = rows_at(material, wavelengths_nm);
     for (std::size_t i = 0; i < rows.size(); i += kLanes)

@@ -21,6 +21,8 @@ class Surface {
     Slopes slopes() const { return slopes_; }
     Attenuation attenuation() const { return attenuation_; }
     const DirectionSampler& directions() const { return directions_; }
+    /// Least RMS slope of the wavelengths that reflect by facets; infinity where none does.
+    double sharpest_slope() const { return sharpest_slope_; }
     /// Parameters of the kLanes wavelengths from `first` on.
     const PriestGermer<Lanes>& lanes(std::size_t first) const { return rows_[first / kLanes]; }
 
@@ -28,6 +30,7 @@ class Surface {
     Slopes slopes_;
     Attenuation attenuation_;
     DirectionSampler directions_;
+    double sharpest_slope_;
     std::vector<PriestGermer<Lanes>> rows_;
 };
 

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <tuple>
 
 #include "malus/core/error.h"
@@ -21,6 +22,11 @@
 
 namespace malus {
 namespace {
+
+// A smaller share of the open sky would take more time to account for than it saves.
+constexpr double kLeastOpen = 0.25;
+// Of the light that a pixel's first samples should have met, to believe what they say of its share.
+constexpr double kLeastEvidence = 0.25;
 
 class Clock {
   public:
@@ -34,15 +40,24 @@ class Clock {
 
 // Work of one thread; the counts are merged when all is done.
 struct Worker {
+    // A sample of one replicate.
+    struct Sample {
+        std::vector<float> S, open;  // rows of the tracer's stride; of g C, then of g (T − C)
+        int node = -1, instance = -1;
+        double distance = 0, scale = 1;
+    };
     Path path;
-    std::vector<float> S;
+    std::vector<Sample> samples;  // one a replicate
     PixelExposure pixel;
     std::vector<Sampler> samplers;  // one a replicate
     std::uint64_t paths = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
     Worker(const PathTracer& tracer, const Exposure& exposure)
-        : S(4 * tracer.stride()), pixel(exposure) {}
+        : samples(exposure.replicates), pixel(exposure) {
+        for (Sample& sample : samples)
+            sample.S.resize(4 * tracer.stride()), sample.open.resize(5 * tracer.stride());
+    }
 };
 
 // One call of render().
@@ -55,14 +70,19 @@ class Job {
           result_(result),
           plan_(settings, result.exposure),
           workers_([this] { return Worker(tracer_, result_.exposure); }),
-          complete_(result.complete()) {}
+          complete_(result.complete()) {
+        if (settings.sky_table && settings.lighting == Lighting::kBoth)
+            table_.emplace(scene.impl(), camera, settings);
+    }
 
     void run() {
         develop_begun();
+        if (table_) look_around();
         while (true) {
             if (const auto why = plan_.plan_round(exposure())) return end(*why);
             const std::vector<std::size_t> tiles = plan_.round(exposure());
             fit_into_time(tiles);
+            if (table_) refine_sky();
             expose(tiles);
             if (stop_wanted()) return end(StoppedBy::kRequest);
             if (time_is_up()) return end(StoppedBy::kTimeLimit);
@@ -93,6 +113,44 @@ class Job {
         });
     }
 
+    // Which geometries the picture shows.
+    void look_around() {
+        std::vector<std::optional<Hit>> line(static_cast<std::size_t>(settings_.width));
+        for (int y = 0; y < settings_.height; ++y) {
+            tbb::parallel_for(0, settings_.width, [&](int x) {
+                line[static_cast<std::size_t>(x)] = tracer_.look(x, y);
+            });
+            for (int x = 0; x < settings_.width; ++x)
+                if (const auto& hit = line[static_cast<std::size_t>(x)])
+                    table_->look(x, y, hit->instance, hit->n);
+        }
+        table_->settle();
+    }
+
+    // Brings the light of the open sky to what the round needs.
+    void refine_sky() {
+        const std::vector<std::uint32_t> goals = table_->goals(exposure());
+        const std::size_t replicates = exposure().replicates;
+        tbb::parallel_for(std::size_t{0}, goals.size() * replicates, [&](std::size_t i) {
+            const std::size_t node = i / replicates, replicate = i % replicates;
+            if (table_->samples(node, replicate) >= goals[node]) return;
+            Worker& worker = workers_.local();
+            std::vector<float>& C = worker.samples.front().open;
+            const SkyNode& at = table_->node(static_cast<int>(node));
+            // Numbers that no pixel has.
+            const Sampler sampler(settings_.seed, exposure().pixel_count() + node,
+                                  static_cast<std::uint32_t>(replicate), settings_.sampling);
+            while (table_->samples(node, replicate) < goals[node]) {
+                if (table_->samples(node, replicate) % 256 == 0 && (stop_wanted() || time_is_up()))
+                    return;
+                tracer_.trace_open(at, sampler, table_->samples(node, replicate), worker.path);
+                tracer_.shade_open(worker.path, at, C.data());
+                table_->add(node, replicate, C.data());
+            }
+            table_->develop(node, replicate);
+        });
+    }
+
     void expose(const std::vector<std::size_t>& tiles) {
         round_samples_ = 0;
         const double total = samples_wanted(tiles) + plan_.left_after_round(exposure());
@@ -118,7 +176,9 @@ class Job {
         for (std::uint32_t r = 0; r < exposure().replicates; ++r)
             worker.samplers.emplace_back(settings_.seed, index, r, settings_.sampling);
         while (pixel.taken() < wanted) {
-            for (std::uint32_t r = 0; r < exposure().replicates; ++r) sample(x, y, r, worker);
+            for (std::uint32_t r = 0; r < exposure().replicates; ++r) trace(x, y, r, worker);
+            if (pixel.taken() == 0) find_open(worker);
+            for (std::uint32_t r = 0; r < exposure().replicates; ++r) add(x, y, r, worker);
             pixel.end_sample();
             const bool keeps = pixel.taken() == checkpoint(pixel.taken());
             if (keeps && (stop_wanted() || time_is_up())) break;
@@ -128,19 +188,60 @@ class Job {
         plan_.measure(result_.film, index);
     }
 
-    void sample(int x, int y, std::uint32_t replicate, Worker& worker) {
+    // The next sample of a replicate.
+    void trace(int x, int y, std::uint32_t replicate, Worker& worker) {
         const std::uint32_t s = worker.pixel.taken();
         Path& path = worker.path;
-        tracer_.trace(x, y, worker.samplers[replicate], s, path);
-        tracer_.shade(path, worker.S.data());
-        if (!worker.pixel.add(replicate, worker.S.data(), tracer_.stride()))
-            refuse({x, y, replicate, s}, worker);
-        if (path.vertices.empty())
+        Worker::Sample& sample = worker.samples[replicate];
+        const bool open = table_ && (s == 0 || worker.pixel.is_open(replicate));
+        tracer_.trace(x, y, worker.samplers[replicate], s, path, open ? &*table_ : nullptr);
+        tracer_.shade(path, sample.S.data());
+        sample.node = path.open.node;
+        if (sample.node >= 0) {
+            tracer_.shade_open(path, table_->node(sample.node), sample.open.data());
+            sample.scale = path.open.scale;
+        }
+        sample.instance = path.vertices.empty() ? -1 : path.vertices.front().instance;
+        sample.distance = path.vertices.empty() ? 0 : path.vertices.front().distance;
+        ++worker.paths;
+    }
+
+    // How much of the open sky's light reaches the pixel, for each replicate by the others' first
+    // samples; none where these met too little of that light to tell.
+    void find_open(Worker& worker) {
+        const std::size_t stride = tracer_.stride();
+        for (std::uint32_t r = 0; r < worker.samples.size(); ++r)
+            for (std::size_t w = 0; w < exposure().wavelengths_nm.size(); ++w) {
+                double whole = 0, seen = 0, expected = 0;
+                for (std::uint32_t other = 0; other < worker.samples.size(); ++other) {
+                    const Worker::Sample& sample = worker.samples[other];
+                    if (other == r || sample.node < 0) continue;
+                    const float* T = table_->mean(static_cast<std::size_t>(sample.node), r);
+                    whole += static_cast<double>(sample.open[w]);
+                    seen += static_cast<double>(sample.open[4 * stride + w]);
+                    expected += sample.scale * static_cast<double>(T[w]);
+                }
+                const bool known = whole > kLeastEvidence * expected && expected > 0;
+                const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
+                worker.pixel.set_open(r, w, share < kLeastOpen ? 0 : share);
+            }
+    }
+
+    void add(int x, int y, std::uint32_t replicate, Worker& worker) {
+        Worker::Sample& sample = worker.samples[replicate];
+        const std::size_t stride = tracer_.stride();
+        if (sample.node >= 0) {
+            const float* T = table_->mean(static_cast<std::size_t>(sample.node), replicate);
+            const auto g = static_cast<float>(sample.scale);
+            for (std::size_t i = 0; i < 4 * stride; ++i) sample.open[i] = g * T[i] - sample.open[i];
+        }
+        if (!worker.pixel.add(replicate, sample.S.data(), stride,
+                              sample.node >= 0 ? sample.open.data() : nullptr))
+            refuse({x, y, replicate, worker.pixel.taken()}, worker);
+        if (sample.instance < 0)
             worker.pixel.add_sky();
         else
-            worker.pixel.add_surface(path.vertices.front().instance,
-                                     path.vertices.front().distance);
-        ++worker.paths;
+            worker.pixel.add_surface(sample.instance, sample.distance);
     }
 
     // Keeps the first in order of pixels, so that what is told does not depend on the threads.
@@ -218,6 +319,7 @@ class Job {
     const PathTracer tracer_;
     RenderResult& result_;
     SamplingPlan plan_;
+    std::optional<SkyTable> table_;
     tbb::enumerable_thread_specific<Worker> workers_;
     const Clock clock_;
     bool complete_;       // each pixel has samples

@@ -377,6 +377,8 @@ TEST_CASE("Resume: what does not belong to the image is refused, and it stays as
                     words);
     };
     const std::string same = "--width 8 --height 8 --spp 16";
+    refused("", "--width 8 --height 8 --spp 16 --no-sky-table",
+            {"image.exr", "--resume", "without", "--no-sky-table"});
     refused("", "--width 8 --height 9 --spp 16", {"image.exr", "--resume", "8 x 9", "8 x 8"});
     refused("", "--width 8 --height 8 --spp 8", {"each pixel has 8 samples", "--spp"});
     refused("--seed 3", same, {"has seed 0", "--seed", "merge"});

@@ -196,6 +196,7 @@ TEST_CASE("Wavelengths: on a free panel, a narrow lobe among wide ones has under
         const PreparedScene scene(panel_scene(), {0}, {green_paint()}, sky, wavelengths);
         RenderSettings settings;
         settings.width = settings.height = 32, settings.spp = 64;
+        settings.sky_table = false;
         const Film film = render(scene, look_at({0, 0, 0}, view, 20, 1e-4), settings).film;
         return std::sqrt(static_cast<double>(as_one_pixel(film, w).covariance[0]));
     };

@@ -257,6 +257,7 @@ class Renders {
     Renders(const PreparedScene& scene, const Camera& camera, int width, int height)
         : scene_(scene), camera_(camera) {
         settings_.width = width, settings_.height = height;
+        settings_.sky_table = false;  // pixels that share an error count as one score
     }
     Film next(std::uint32_t spp, std::uint32_t replicates = kReplicates) {
         settings_.spp = spp, settings_.replicates = replicates;

@@ -19,6 +19,7 @@ Film render_panel(const Material& paint, const Sky& sky, const Camera& camera, s
     settings.spp = spp;
     settings.lighting = lighting;
     settings.sampling = sampling;
+    settings.sky_table = false;  // means over pixels are judged here, so their errors must be apart
     const PreparedScene prepared(panel_scene(), {0}, {paint}, sky, std::move(wavelengths));
     return render(prepared, camera, settings).film;
 }

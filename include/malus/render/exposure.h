@@ -4,12 +4,13 @@
 // function of (seed, pixel, replicate, n) alone, and sums are rounded to floats at checkpoints that
 // depend on n alone, wherever a render stops.
 //
-// Memory  16 bytes per pixel, wavelength and replicate.
+// Memory  17 bytes per pixel, wavelength and replicate.
 // Range   sums are good to 2e-6 of themselves at any number of samples: between the 32 checkpoints
 //         of each doubling they are doubles, and before 64 samples each sample is one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -33,8 +34,9 @@ struct Exposure {
     int width = 0, height = 0;
     std::uint32_t replicates = 0;
     std::vector<double> wavelengths_nm;
-    std::vector<float> stokes;           ///< [pixel][replicate][S0..S3][wavelength] sums
-    std::vector<std::uint32_t> kept;     ///< [pixel][replicate] samples in the sums
+    std::vector<float> stokes;        ///< [pixel][replicate][S0..S3][wavelength] sums
+    std::vector<std::uint8_t> open;   ///< [pixel][replicate][wavelength] α of the sky table × 255
+    std::vector<std::uint32_t> kept;  ///< [pixel][replicate] samples in the sums
     std::vector<std::uint32_t> taken;    ///< [pixel] samples of each replicate, refused ones too
     std::vector<std::uint32_t> wanted;   ///< [pixel] what the round under way brings `taken` to
     std::vector<std::uint32_t> covered;  ///< [pixel] samples that met a surface
@@ -60,8 +62,14 @@ class PixelExposure {
     void store(Exposure& exposure, std::size_t pixel) const;
 
     /// `S`: components by rows of `stride` floats, wavelength innermost. False, and nothing is
-    /// added, when a number is not finite (or beyond 1e30) or an S0 negative.
-    bool add(std::uint32_t replicate, const float* S, std::size_t stride);
+    /// added, when a number is not finite (or beyond 1e30) or an S0 negative. `open`, of the same
+    /// form, is what the light of the open sky has beyond that of the sample's own directions:
+    /// α of it is added.
+    bool add(std::uint32_t replicate, const float* S, std::size_t stride,
+             const float* open = nullptr);
+    /// α, [0,1], to the next 1/255.
+    void set_open(std::uint32_t replicate, std::size_t wavelength, double share);
+    bool is_open(std::uint32_t replicate) const;      ///< is α > 0 at any wavelength?
     void add_surface(int instance, double distance);  ///< of a sample that met a surface
     void add_sky();                                   ///< of a sample that did not
     /// After one sample of each replicate.
@@ -75,6 +83,7 @@ class PixelExposure {
   private:
     std::size_t wavelengths_, replicates_;
     std::vector<double> sums_;  // [replicate][S0..S3][wavelength]
+    std::vector<std::uint8_t> open_;
     std::vector<std::uint32_t> kept_;
     std::uint32_t taken_ = 0, covered_ = 0;
     double distance_ = 0;
@@ -83,6 +92,8 @@ class PixelExposure {
     std::uint32_t votes_ = 0;
 
     void vote(std::int32_t instance);
+    double noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
+                                double norm) const;
     Stokes<double> replicate_mean(std::size_t replicate, std::size_t wavelength) const;
 };
 

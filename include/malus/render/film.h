@@ -34,11 +34,12 @@ struct PixelStokes {
 };
 
 /// Standard errors of a pixel's DoLP and AoLP (rad); 1 and π/2 where nothing is known, since all
-/// light came from one replicate, whose spread nobody saw. Without light DoLP is 0 for certain.
+/// light came from one replicate, whose spread nobody saw, or noise left none. Without any light DoLP
+/// is 0 for certain.
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
 
-/// SE(S0)/S0; 0 without light.
+/// SE(S0)/S0; 0 without light, 1 where noise left none.
 double relative_stderr_s0(const PixelStokes& pixel);
 
 /// DoLP less what noise adds to it on average (it makes light look polarized): p̂, the modified
@@ -47,9 +48,10 @@ double relative_stderr_s0(const PixelStokes& pixel);
 double debiased_dolp(const PixelStokes& pixel);
 
 /// A mean of light is light, but its terms are floats, and |(S1,S2,S3)| may exceed S0 by some of
-/// their roundings, now or when stored as floats: that is taken back. What exceeds S0 by more is left
-/// for all to see.
-Stokes<double> held_physical(const Stokes<double>& mean);
+/// their roundings, now or when stored as floats: that is taken back. So is what `noise` may have put
+/// above, for means with differences in them, of which S0 may even be negative: then nothing is left.
+/// What exceeds S0 by more is left for all to see.
+Stokes<double> held_physical(const Stokes<double>& mean, double noise = 0);
 
 struct Film {
     int width = 0, height = 0;

@@ -39,6 +39,9 @@ struct RenderSettings {
     int threads = 0;  ///< 0: as many as the machine has
     Lighting lighting = Lighting::kBoth;
     Sampling sampling = Sampling::kSobol;
+    /// Take the light of the open sky from samples without rays, and from paths what occluders
+    /// change of it (sky_table.h). Of use with Lighting::kBoth alone.
+    bool sky_table = true;
     /// Called now and then with the share that is done, from one thread at a time.
     std::function<void(double)> progress;
     const std::atomic<bool>* stop = nullptr;  ///< set it to end the render early

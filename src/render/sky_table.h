@@ -1,0 +1,93 @@
+// sky_table.h — the light of the open sky, known beside the paths.
+//
+//   ⟨X⟩ = ⟨X + α g (T − C)⟩
+//   X   what a path brings
+//   C = Σ f(n',wo',wi) L(wi) cosθi' / pdf(wi): what its first vertex would reflect of the same
+//       directions, were nothing in the sky's way, and normal and view those of a node nearby
+//   T = ∫ f(n',wo',wi) L(wi) cosθi' dωi: the mean of C, from many samples that trace no rays
+//   g = cosθo'/cosθo: what a facet's foreshortening differs by
+//   α   how much of C reaches the pixel, as the first samples of its other replicates found: 1 in
+//       the open, where X and C hardly differ; 0 under cover
+//
+// No bias  ⟨T − C⟩ = 0 for whatever T's samples gave: each replicate has a T of its own, so that
+//          the error of T, which pixels of a node share, is in the spread of the replicates.
+// Nodes    one for each paint, cell of the picture and cell of normals (in the camera's frame) that
+//          enough pixels look at; normal of the first of them, view of the cell's middle. Cells are
+//          as wide as a part of the paint's least RMS slope.
+// Cost     T has in proportion to the samples of those pixels.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "render/prepared_scene.h"
+
+namespace malus {
+
+/// A geometry of which the light of the open sky is known.
+struct SkyNode {
+    int instance;  ///< one with its paint
+    Vec3 n, wo;
+    BeamFrame toward;  ///< image frame of the beam along −wo
+    double cos_o;
+};
+
+class SkyTable {
+  public:
+    SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
+             const RenderSettings& settings);
+
+    /// The middle of a pixel shows this surface. Pixels in order, each once at most.
+    void look(int pixel_x, int pixel_y, int instance, const Vec3& n);
+    /// After all have been looked at: keeps the nodes of enough pixels.
+    void settle();
+
+    /// −1 where there is none.
+    int find(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
+    const SkyNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
+    std::size_t node_count() const { return nodes_.size(); }
+
+    /// Samples a replicate that T of each node should have, by what its pixels want.
+    std::vector<std::uint32_t> goals(const Exposure& exposure) const;
+    std::uint32_t samples(std::size_t node, std::size_t replicate) const {
+        return samples_[node * replicates_ + replicate];
+    }
+    /// Adds a sample: four rows of `stride` floats.
+    void add(std::size_t node, std::size_t replicate, const float* C);
+    /// After samples were added: T is their mean.
+    void develop(std::size_t node, std::size_t replicate);
+    /// T: four rows of `stride` floats, wavelength innermost, in the frame `toward`.
+    const float* mean(std::size_t node, std::size_t replicate) const {
+        return &means_[(node * replicates_ + replicate) * row_];
+    }
+
+  private:
+    // How a paint's nodes are dealt out; none where its lobes are too sharp.
+    struct Cells {
+        double pixels = 0;   // width in the picture
+        double normals = 0;  // along a side of the octahedral map
+    };
+    using Key = std::uint64_t;
+    static constexpr Key kNone = ~Key{0};
+
+    bool needs(const Exposure& exposure, std::size_t pixel) const;
+    Key key(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
+    std::optional<SkyNode> node_of(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
+
+    const PreparedScene::Impl& scene_;
+    const Camera& camera_;
+    Picture picture_;
+    int width_;
+    std::size_t replicates_, row_;
+    std::vector<Cells> cells_;  // by paint
+    std::unordered_map<Key, int> index_;
+    std::vector<SkyNode> nodes_;
+    std::vector<Key> keys_;               // of the nodes
+    std::vector<int> seen_;               // by pixel: its node
+    std::vector<double> sums_;            // [node][replicate][S0..S3][stride]
+    std::vector<float> means_;            // the same
+    std::vector<std::uint32_t> samples_;  // [node][replicate]
+};
+
+}  // namespace malus
