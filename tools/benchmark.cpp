@@ -1,15 +1,18 @@
 // benchmark.cpp — the renderer beside a bare loop of the same Embree calls, in one run.
 //
-// The rays of whole paths are kept (after one another, as the renderer traces them) and traced
-// again by a loop that does nothing else, in one flat Embree scene. Both use the same threads.
-// Times are the best of three rounds taken in turn, since machines are shared.
-// Prints Markdown tables. Usage: malus-benchmark SCENE SKY MATERIALS [THREADS]
+// Ratio   the rays of whole paths are kept (after one another, as the renderer traces them) and traced
+//         again by a loop that does nothing else, in one flat Embree scene. Both use the same threads.
+//         Times are the best of three rounds taken in turn, since machines are shared.
+// Error   of the scene that Mitsuba was timed with: against a reference of kReferenceSpp samples and
+//         another seed, over all pixels.
+// Prints Markdown tables. Usage: malus-benchmark SCENE MATERIALS [THREADS]
 // SPDX-License-Identifier: Apache-2.0
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
 #include <embree3/rtcore.h>
 #endif
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -18,17 +21,16 @@
 
 #include "malus/io/gltf.h"
 #include "malus/io/material_file.h"
-#include "malus/io/sky_file.h"
-#include "malus/io/stats_file.h"
 #include "malus/scene/clear_sky.h"
 #include "render/path_tracer.h"
+#include "tools/benchmark_scenes.h"
 
 using namespace malus;
 
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240, kRounds = 3;
-constexpr std::uint32_t kSpp = 16;
+constexpr int kWidth = 320, kHeight = 240, kRounds = 3, kErrorSide = 128;
+constexpr std::uint32_t kSpp = 16, kReferenceSpp = 4096;
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -146,27 +148,29 @@ std::vector<double> spread(std::size_t count) {
     return nm;
 }
 
-void measure(const std::string& scene_file, const Sky* sky_of_file,
-             const std::vector<Material>& materials, std::size_t wavelengths, int threads) {
-    const std::vector<double> nm = spread(wavelengths);
-    const Sky sky = wavelengths <= 2 ? *sky_of_file : make_clear_sky({}, nm, 45, 180);
-    const double start = now();
-    Scene scene = read_gltf(scene_file);
-    const Camera camera = scene.cameras.at(0);
-    const std::vector<int> paints = assign_paints(scene, {}, materials);
-    const Scene copy = scene;
-    const PreparedScene prepared(std::move(scene), paints, materials, sky, nm);
-    RenderSettings settings;
-    settings.width = kWidth, settings.height = kHeight;
-    settings.threads = threads;
-    settings.spp = 8;
-    settings.width = settings.height = 1;
-    render(prepared, camera, settings);
-    const double first_pixel = now() - start;
+BenchmarkScene shipped(const std::string& file, const std::vector<Material>& materials) {
+    BenchmarkScene to{file, read_gltf(file), {}, materials, 2};
+    to.paints = assign_paints(to.scene, {}, materials);
+    return to;
+}
 
+Sky sky_for(const BenchmarkScene& scene, const std::vector<double>& nm) {
+    return scene.max_depth == 3 ? even_sky(nm) : make_clear_sky({}, nm, 45, 180);
+}
+
+// One line of the table.
+void measure(const BenchmarkScene& of, std::size_t wavelengths, int threads) {
+    const std::vector<double> nm = spread(wavelengths);
+    const Sky sky = sky_for(of, nm);
+    const double start = now();
+    const PreparedScene prepared(of.scene, of.paints, of.materials, sky, nm);
+    const double build = now() - start;
+    const Camera camera = of.scene.cameras.at(0);
+    RenderSettings settings;
+    settings.threads = threads, settings.max_depth = of.max_depth;
     settings.width = kWidth, settings.height = kHeight, settings.spp = kSpp;
     const std::vector<TracedRay> rays = gather_rays(prepared, camera, settings);
-    const BareScene bare(copy, prepared.impl().accel.center());
+    const BareScene bare(of.scene, prepared.impl().accel.center());
     double best_bare = 0, best_seconds = HUGE_VAL;
     RenderResult result;
     for (int round = 0; round < kRounds; ++round) {
@@ -175,34 +179,81 @@ void measure(const std::string& scene_file, const Sky* sky_of_file,
         result = render(prepared, camera, settings);
         best_seconds = std::min(best_seconds, now() - begin);
     }
-    const double rays_per_s = static_cast<double>(result.rays) / best_seconds;
-    const ErrorSummary error = summarize_error(result.film, 0);
-    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.0f | %.1f %% | %.4f |\n", wavelengths,
-                static_cast<double>(result.paths) / best_seconds / 1e6, rays_per_s / 1e6,
-                best_bare / 1e6, rays_per_s / best_bare, 1e3 * first_pixel,
-                100 * error.rms_s0_relative, error.rms_dolp);
+    const double rays_per_s = static_cast<double>(result.rays) / best_seconds,
+                 samples_per_s = static_cast<double>(result.paths) / best_seconds;
+    std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.2f | %.0f |\n", of.name.c_str(), wavelengths,
+                samples_per_s / 1e6, rays_per_s / 1e6, best_bare / 1e6, rays_per_s / best_bare,
+                1e3 * build);
+    std::fflush(stdout);
+}
+
+double median(std::vector<double>& x) {
+    std::nth_element(x.begin(), x.begin() + std::ssize(x) / 2, x.end());
+    return x[x.size() / 2];
+}
+
+// Error against samples of one wavelength, as the peer's is known.
+void measure_errors(const BenchmarkScene& of, int threads) {
+    const std::vector<double> nm = spread(1);
+    const PreparedScene prepared(of.scene, of.paints, of.materials, sky_for(of, nm), nm);
+    const Camera camera = of.scene.cameras.at(0);
+    RenderSettings settings;
+    settings.threads = threads, settings.max_depth = of.max_depth;
+    settings.width = settings.height = kErrorSide;
+    settings.spp = kReferenceSpp, settings.seed = 1;
+    const Film reference = render(prepared, camera, settings).film;
+    settings.seed = 0;
+    for (bool table : {false, true})
+        for (std::uint32_t spp : {8u, 16u, 64u, 256u}) {
+            settings.spp = spp, settings.sky_table = table;
+            const double begin = now();
+            const Film film = render(prepared, camera, settings).film;
+            const double seconds = now() - begin;
+            std::vector<double> s0, p;
+            double s0_squares = 0, p_squares = 0;
+            for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+                const Stokes<double>&S = film.at(i, 0).mean, &R = reference.at(i, 0).mean;
+                s0.push_back(std::abs(S.s0 / R.s0 - 1));
+                p.push_back(std::abs(dolp(S) - dolp(R)));
+                s0_squares += sqr(s0.back()), p_squares += sqr(p.back());
+            }
+            const double n = static_cast<double>(film.pixel_count());
+            std::printf("| %s | %u | %.2f | %.2f %% | %.2f %% | %.5f | %.4f |\n",
+                        table ? "with" : "without", spp, sqr(512.0 / kErrorSide) * seconds,
+                        100 * median(s0), 100 * std::sqrt(s0_squares / n), median(p),
+                        std::sqrt(p_squares / n));
+            std::fflush(stdout);
+        }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 4 || argc > 5) {
-        std::fprintf(stderr, "usage: malus-benchmark SCENE SKY MATERIALS [THREADS]\n");
+    if (argc < 3 || argc > 4) {
+        std::fprintf(stderr, "usage: malus-benchmark SCENE MATERIALS [THREADS]\n");
         return 2;
     }
     try {
-        const int threads = argc == 5 ? std::max(1, std::atoi(argv[4]))
+        const int threads = argc == 4 ? std::max(1, std::atoi(argv[3]))
                                       : static_cast<int>(std::thread::hardware_concurrency());
-        const Sky sky = read_sky(argv[2]);
-        const std::vector<Material> materials = read_materials(argv[3]).materials;
-        std::printf("%s, %d x %d pixels, %u samples a pixel, depth 2, %d threads\n\n", argv[1],
-                    kWidth, kHeight, kSpp, threads);
+        const std::vector<Material> materials = read_materials(argv[2]).materials;
+        std::printf("%d x %d pixels, %u samples a pixel, %d threads\n\n", kWidth, kHeight, kSpp,
+                    threads);
         std::printf(
-            "| wavelengths | samples/s, million | rays/s, million | bare Embree rays/s, "
-            "million | ratio | start to first pixel, ms | standard "
-            "error of S0 (rms) | of DoLP |\n|---|---|---|---|---|---|---|---|\n");
-        for (std::size_t wavelengths : {1u, 2u, 16u})
-            measure(argv[1], &sky, materials, wavelengths, threads);
+            "| scene | wavelengths | samples/s, million | rays/s, million | bare Embree rays/s, "
+            "million | ratio | build, ms |\n|---|---|---|---|---|---|---|\n");
+        const BenchmarkScene bumps = bumps_scene();
+        for (std::size_t wavelengths : {1u, 2u, 8u, 16u, 32u, 64u})
+            measure(shipped(argv[1], materials), wavelengths, threads);
+        for (const BenchmarkScene& scene :
+             {relief_scene(materials), canyon_scene(materials), bumps})
+            for (std::size_t wavelengths : {1u, 8u, 32u}) measure(scene, wavelengths, threads);
+        std::printf(
+            "\n%s, one wavelength, depth 3; %d x %d pixels, seconds for 512 x 512\n\n"
+            "| sky table | samples a pixel | time, s | S0, median | S0, rms | DoLP, median | DoLP, "
+            "rms |\n|---|---|---|---|---|---|---|\n",
+            bumps.name.c_str(), kErrorSide, kErrorSide);
+        measure_errors(bumps, threads);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "malus-benchmark: %s\n", error.what());
         return 1;

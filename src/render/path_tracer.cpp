@@ -83,6 +83,20 @@ double PathTracer::light_weight(double by_light, double by_surface, Lighting dra
     return 1 / (drawn_by == Lighting::kLightSamples ? by_light : by_surface);
 }
 
+// The node whose open sky stands for the first vertex's, if there is one near enough.
+const SkyNode* PathTracer::find_open(const SkyTable& table, int pixel_x, int pixel_y,
+                                     const Hit& hit, const Vec3& wo, Path& path) const {
+    constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
+    const int index = table.find(pixel_x, pixel_y, hit.instance, hit.n);
+    if (index < 0) return nullptr;
+    const SkyNode& node = table.node(index);
+    const double scale = node.cos_o / dot(hit.n, wo);
+    if (scale > kFarthest || scale * kFarthest < 1) return nullptr;
+    path.open.node = index;
+    path.open.scale = scale;
+    return &node;
+}
+
 std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
     Ray ray = picture_.ray(pixel_x + 0.5, pixel_y + 0.5);
     ray.origin = ray.origin - scene_.accel.center();
@@ -122,14 +136,8 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
         // Light from a direction drawn by the sky's brightness, and from the sun.
         const Basis basis(hit->n, wo);
         const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
-        const SkyNode* open = nullptr;
-        if (depth == 1 && table) {
-            path.open.node = table->find(pixel_x, pixel_y, hit->instance, hit->n);
-            if (path.open.node >= 0) {
-                open = &table->node(path.open.node);
-                path.open.scale = open->cos_o / dot(hit->n, wo);
-            }
-        }
+        const SkyNode* open =
+            depth == 1 && table ? find_open(*table, pixel_x, pixel_y, *hit, wo, path) : nullptr;
         sample_sky(*hit, basis, wo, lobes, u, toward, open, path);
         if (scene_.sun.present()) {
             const std::uint32_t block = kSunBlocks + static_cast<std::uint32_t>(depth);
@@ -164,8 +172,8 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
             vertex.onward.weight = cos_i / pdf;
             toward = vertex.onward.geometry.in;
         } else {
-            vertex.onward_light = scene_.sky.locate(wi);
-            if (depth == 1) path.open.onward_seen = true;
+            vertex.onward_light = open ? path.open.onward_light : scene_.sky.locate(wi);
+            path.open.onward_seen |= open != nullptr;
             vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
             const double weight =
                 light_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);

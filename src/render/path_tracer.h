@@ -93,6 +93,8 @@ class PathTracer {
     std::size_t stride() const { return padded(scene_.wavelengths_nm.size()); }
 
   private:
+    const SkyNode* find_open(const SkyTable& table, int pixel_x, int pixel_y, const Hit& hit,
+                             const Vec3& wo, Path& path) const;
     void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
                     const DirectionSampler::View& lobes, const SamplePoint& u,
                     const BeamFrame& toward, const SkyNode* open, Path& path) const;

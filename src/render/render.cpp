@@ -24,7 +24,7 @@ namespace malus {
 namespace {
 
 // A smaller share of the open sky would take more time to account for than it saves.
-constexpr double kLeastOpen = 0.25;
+constexpr double kLeastOpen = 0.5;
 // Of the light that a pixel's first samples should have met, to believe what they say of its share.
 constexpr double kLeastEvidence = 0.25;
 

@@ -9,9 +9,10 @@ namespace malus {
 namespace {
 
 constexpr double kWidth = 0.1;         // of a cell of normals, in the paint's least RMS slope
+constexpr double kNarrow = 4;          // nor less than that many pixels' angles: T is shared
 constexpr double kNarrowest = 0.003;   // rad; sharper paints have no nodes
 constexpr double kWidest = 0.15;       // rad
-constexpr std::uint32_t kFewest = 64;  // pixels of a node
+constexpr std::uint32_t kFewest = 32;  // pixels of a node
 constexpr double kSamples = 0.5;       // of T, for each sample of a node's pixels
 constexpr double kLeast = 4;           // of T, for each sample of the pixel that wants most
 constexpr double kGrazing = 0.02;      // cosθo: nodes seen flatter than that say little of others
@@ -49,9 +50,9 @@ SkyTable::SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
     const double angle = pixel_angle(camera, settings.height);
     for (const Surface& surface : scene.surfaces) {
         const double slope = surface.sharpest_slope();
-        const double width = std::min(kWidest, std::max(kWidth * slope, 4 * angle));
+        const double width = std::min(kWidest, std::max(kWidth * slope, kNarrow * angle));
         Cells cells;
-        if (width >= kNarrowest && width < 0.4 * slope && !surface.directions().black()) {
+        if (width >= kNarrowest && width < slope && !surface.directions().black()) {
             cells.normals = std::sqrt(4 * kPi) / width;
             // A turn of the view moves the mirror direction as half that turn of the normal does.
             cells.pixels = angle > 0 ? std::max(1.0, 2 * width / angle) : HUGE_VAL;

@@ -13,7 +13,7 @@
 //          the error of T, which pixels of a node share, is in the spread of the replicates.
 // Nodes    one for each paint, cell of the picture and cell of normals (in the camera's frame) that
 //          enough pixels look at; normal of the first of them, view of the cell's middle. Cells are
-//          as wide as a part of the paint's least RMS slope.
+//          a part of the paint's least RMS slope wide: the nearer a node, the less X − C varies.
 // Cost     T has in proportion to the samples of those pixels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
