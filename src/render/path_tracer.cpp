@@ -92,6 +92,7 @@ const SkyNode* PathTracer::find_open(const SkyTable& table, int pixel_x, int pix
     const SkyNode& node = table.node(index);
     const double scale = node.cos_o / dot(hit.n, wo);
     if (scale > kFarthest || scale * kFarthest < 1) return nullptr;
+    path.open = {};
     path.open.node = index;
     path.open.scale = scale;
     return &node;
@@ -107,7 +108,7 @@ std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
 void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
                        Path& path, const SkyTable* table) const {
     path.vertices.clear();
-    path.open = {};
+    path.open.node = -1;
     path.sees_sun = false;
     SamplePoint u = sampler.point(sample, 0);
     Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
@@ -173,7 +174,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::ui
             toward = vertex.onward.geometry.in;
         } else {
             vertex.onward_light = open ? path.open.onward_light : scene_.sky.locate(wi);
-            path.open.onward_seen |= open != nullptr;
+            path.open.onward_seen |= depth == 1;
             vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
             const double weight =
                 light_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);

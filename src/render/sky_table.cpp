@@ -138,28 +138,30 @@ int SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n) const 
     return found == index_.end() ? -1 : found->second;
 }
 
-// Will samples of the pixel use T? Its first ones do not know yet.
+// Do samples of the pixel use T, as its first ones found?
 bool SkyTable::needs(const Exposure& exposure, std::size_t pixel) const {
-    if (exposure.taken[pixel] == 0) return true;
     const std::size_t shares = replicates_ * exposure.wavelengths_nm.size();
     const auto first = exposure.open.begin() + static_cast<std::ptrdiff_t>(pixel * shares);
     return std::any_of(first, first + static_cast<std::ptrdiff_t>(shares),
                        [](std::uint8_t share) { return share > 0; });
 }
 
+// Only ever more from round to round, and by the exposure alone: a render that goes on has the T of
+// one that never stopped.
 std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
-    std::vector<double> sum(nodes_.size(), 0.0), most(nodes_.size(), 0.0);
+    std::vector<double> pixels(nodes_.size(), 0.0), sum = pixels, most = pixels;
     for (std::size_t pixel = 0; pixel < seen_.size(); ++pixel) {
-        if (seen_[pixel] < 0 || !needs(exposure, pixel)) continue;
+        if (seen_[pixel] < 0) continue;
         const auto i = static_cast<std::size_t>(seen_[pixel]);
-        const double wanted = exposure.wanted[pixel];
-        sum[i] += wanted;
-        if (exposure.wanted[pixel] > exposure.taken[pixel]) most[i] = std::max(most[i], wanted);
+        pixels[i] += 1;
+        if (!needs(exposure, pixel)) continue;
+        sum[i] += exposure.wanted[pixel];
+        most[i] = std::max<double>(most[i], exposure.wanted[pixel]);
     }
     std::vector<std::uint32_t> goals;
     for (std::size_t i = 0; i < sum.size(); ++i)
-        goals.push_back(std::bit_floor(static_cast<std::uint32_t>(
-            most[i] > 0 ? std::clamp(kSamples * sum[i], kLeast * most[i], 0x1p31) : 0.0)));
+        goals.push_back(std::bit_floor(static_cast<std::uint32_t>(std::min(
+            0x1p31, std::max({kSamples * pixels[i], kSamples * sum[i], kLeast * most[i]})))));
     return goals;
 }
 

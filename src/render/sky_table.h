@@ -48,7 +48,7 @@ class SkyTable {
     const SkyNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
     std::size_t node_count() const { return nodes_.size(); }
 
-    /// Samples a replicate that T of each node should have, by what its pixels want.
+    /// Samples a replicate that T of each node should have, by what its pixels want; never 0.
     std::vector<std::uint32_t> goals(const Exposure& exposure) const;
     std::uint32_t samples(std::size_t node, std::size_t replicate) const {
         return samples_[node * replicates_ + replicate];
