@@ -186,3 +186,32 @@ TEST_CASE("Sky table: a black sky lights nothing", "[render]") {
          render(night, look_at({0, 0, 0}, 45, 20, 1e-4), small()).film.stokes)
         CHECK(pixel.mean.s0 == 0);
 }
+
+TEST_CASE(
+    "Sky table: a render stopped at any time and gone on with has the bits of one that was not",
+    "[render]") {
+    // The table is not kept: it must come out as it was, also of nodes whose pixels want no more.
+    const PreparedScene scene = scene_of(corner_scene(), green_paint());
+    const Camera camera = near_view(55, 160, {0, 0.1, 0.2}, 6);
+    RenderSettings settings = small();
+    settings.width = 40, settings.height = 30;
+    settings.spp = 1u << 20, settings.target_error = 0.1;
+    const RenderResult whole = render(scene, camera, settings);
+    RenderResult part;
+    int stops = 0;
+    do {
+        std::atomic<bool> stop{false};
+        int calls = 0;
+        RenderSettings run = settings;
+        run.stop = &stop;
+        run.threads = 1 + stops % 2;
+        run.progress = [&](double) { stop = stop || ++calls > 20 + 10 * stops; };
+        part = render(scene, camera, run, std::move(part.exposure));
+    } while (part.stopped_by == StoppedBy::kRequest && ++stops < 200);
+    CAPTURE(stops);
+    CHECK(stops >= 5);
+    CHECK(part.stopped_by == whole.stopped_by);
+    CHECK(part.exposure.open == whole.exposure.open);
+    CHECK(part.exposure.taken == whole.exposure.taken);
+    CHECK(part.exposure.stokes == whole.exposure.stokes);
+}
