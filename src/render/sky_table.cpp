@@ -147,7 +147,8 @@ bool SkyTable::needs(const Exposure& exposure, std::size_t pixel) const {
 }
 
 // Only ever more from round to round, and by the exposure alone: a render that goes on has the T of
-// one that never stopped.
+// one that never stopped. To the next power of two, since rounds are cut short by the samples asked
+// for.
 std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
     std::vector<double> pixels(nodes_.size(), 0.0), sum = pixels, most = pixels;
     for (std::size_t pixel = 0; pixel < seen_.size(); ++pixel) {
@@ -155,8 +156,9 @@ std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
         const auto i = static_cast<std::size_t>(seen_[pixel]);
         pixels[i] += 1;
         if (!needs(exposure, pixel)) continue;
-        sum[i] += exposure.wanted[pixel];
-        most[i] = std::max<double>(most[i], exposure.wanted[pixel]);
+        const double wanted = std::bit_ceil(exposure.wanted[pixel]);
+        sum[i] += wanted;
+        most[i] = std::max(most[i], wanted);
     }
     std::vector<std::uint32_t> goals;
     for (std::size_t i = 0; i < sum.size(); ++i)
