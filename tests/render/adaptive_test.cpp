@@ -259,18 +259,7 @@ TEST_CASE(
         settings.spp = target > 0 ? 1u << 20 : 136;
         settings.target_error = target;
         const RenderResult whole = render(scene, camera, settings);
-        RenderResult part;
-        int stops = 0;
-        do {
-            // Stops after so many calls of progress, in the middle of a round.
-            std::atomic<bool> stop{false};
-            int calls = 0;
-            RenderSettings run = settings;
-            run.stop = &stop;
-            run.threads = 1 + stops % 2;
-            run.progress = [&](double) { stop = stop || ++calls > 30 + 20 * stops; };
-            part = render(scene, camera, run, std::move(part.exposure));
-        } while (part.stopped_by == StoppedBy::kRequest && ++stops < 200);
+        const auto [part, stops] = render_with_stops(scene, camera, settings, 30);
         CAPTURE(target, stops);
         CHECK(stops >= 2);
         CHECK(same(part, whole));

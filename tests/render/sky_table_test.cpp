@@ -197,17 +197,7 @@ TEST_CASE(
     settings.width = 40, settings.height = 30;
     settings.spp = 1u << 20, settings.target_error = 0.1;
     const RenderResult whole = render(scene, camera, settings);
-    RenderResult part;
-    int stops = 0;
-    do {
-        std::atomic<bool> stop{false};
-        int calls = 0;
-        RenderSettings run = settings;
-        run.stop = &stop;
-        run.threads = 1 + stops % 2;
-        run.progress = [&](double) { stop = stop || ++calls > 20 + 10 * stops; };
-        part = render(scene, camera, run, std::move(part.exposure));
-    } while (part.stopped_by == StoppedBy::kRequest && ++stops < 200);
+    const auto [part, stops] = render_with_stops(scene, camera, settings, 20);
     CAPTURE(stops);
     CHECK(stops >= 5);
     CHECK(part.stopped_by == whole.stopped_by);

@@ -147,6 +147,21 @@ Camera look_at(const Vec3& target, double zenith_deg, double azimuth_deg, double
     return camera;
 }
 
+Interrupted render_with_stops(const PreparedScene& scene, const Camera& camera,
+                              const RenderSettings& settings, int calls) {
+    Interrupted part;
+    do {
+        std::atomic<bool> stop{false};
+        int reports = 0;
+        RenderSettings run = settings;
+        run.stop = &stop;
+        run.threads = 1 + part.stops % 2;
+        run.progress = [&](double) { stop = stop || ++reports > calls + 10 * part.stops; };
+        part.result = render(scene, camera, run, std::move(part.result.exposure));
+    } while (part.result.stopped_by == StoppedBy::kRequest && ++part.stops < 200);
+    return part;
+}
+
 PictureMean picture_mean(const Film& film, std::size_t wavelength) {
     PictureMean out;
     const double share = 1 / static_cast<double>(film.pixel_count());

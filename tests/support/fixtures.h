@@ -55,6 +55,15 @@ Sky sample_sky(const reference::SkyFunction& function, const std::vector<double>
 /// An orthographic camera in direction (zenith, azimuth) of `target` that sees 2·half metres.
 Camera look_at(const Vec3& target, double zenith_deg, double azimuth_deg, double half_m);
 
+/// A render that is stopped by its `calls`-th report of progress, then by that of 10 more, and so on,
+/// by turns with one and two threads, and gone on with until it is done.
+struct Interrupted {
+    RenderResult result;
+    int stops = 0;
+};
+Interrupted render_with_stops(const PreparedScene& scene, const Camera& camera,
+                              const RenderSettings& settings, int calls);
+
 /// Mean Stokes vector of all pixels at a wavelength, and the standard error of each component.
 struct PictureMean {
     Stokes<double> mean, error;
