@@ -48,62 +48,11 @@ constexpr std::array<Bits, kBits> direction_numbers(int block) {
 constexpr std::array<std::array<Bits, kBits>, kOwnBlocks> kDirections{direction_numbers(0),
                                                                       direction_numbers(1)};
 
-constexpr std::uint32_t reverse_bits(std::uint32_t x) {
-    x = (x >> 16) | (x << 16);
-    x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
-    x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
-    x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
-    return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
-}
-
-// A random permutation of 32-bit numbers in which each bit is flipped by a function of the bits
-// below it only (Laine & Karras): on bit-reversed numbers it is an Owen scramble. Every step, an
-// addition or a multiplication by an odd or even-plus-xor factor, carries upward only. The
-// multipliers are Vegdahl's, found by measuring how well each bit avalanches.
-constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= (seed >> 16) | 1u;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    return x;
-}
-
-constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-    return reverse_bits(laine_karras(reverse_bits(x), seed));
-}
-
 // Finalizer of MurmurHash3 (public domain) in the constants of Stafford's variant 13.
 constexpr std::uint64_t mix(std::uint64_t x) {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
     return x ^ (x >> 31);
-}
-
-constexpr double fraction(std::uint32_t bits) {
-    return (bits + 0.5) * 0x1p-32;
-}
-
-SamplePoint sobol_point(std::uint64_t key, std::uint32_t sample, std::uint32_t block) {
-    // Shuffling the order is an Owen scramble of the index itself: aligned runs of 2^m samples
-    // stay the aligned runs of the sequence that make it even.
-    const bool own = block < kOwnBlocks;
-    const std::uint32_t index =
-        own ? sample : owen_scramble(sample, static_cast<std::uint32_t>(key >> 32));
-    const Bits x = sobol(index, own ? block : 0);
-    SamplePoint u;
-    for (int d = 0; d < kBlockDimensions; ++d) {
-        const auto seed = static_cast<std::uint32_t>(mix(key + static_cast<std::uint64_t>(d + 1)));
-        u[d] = fraction(owen_scramble(x[d], seed));
-    }
-    return u;
-}
-
-SamplePoint independent_point(std::uint64_t key) {
-    SamplePoint u;
-    for (int d = 0; d < kBlockDimensions; ++d)
-        u[d] = fraction(static_cast<std::uint32_t>(hash(key, static_cast<std::uint64_t>(d)) >> 32));
-    return u;
 }
 
 }  // namespace
@@ -123,10 +72,35 @@ Bits sobol(std::uint32_t index, std::uint32_t block) {
     return x;
 }
 
-SamplePoint Sampler::point(std::uint32_t sample, std::uint32_t block) const {
-    const std::uint64_t key = hash(key_, block);
-    return sampling_ == Sampling::kSobol ? sobol_point(key, sample, block)
-                                         : independent_point(hash(key, sample));
+Scramble Sampler::scramble(std::uint32_t block) const {
+    Scramble own;
+    own.sampling = sampling_;
+    own.key = hash(key_, block);
+    // Shuffling the order is an Owen scramble of the index itself: aligned runs of 2^m samples
+    // stay the aligned runs of the sequence that make it even.
+    own.shuffled = block >= kOwnBlocks;
+    own.block = own.shuffled ? 0 : block;
+    for (std::size_t d = 0; d < kBlockDimensions; ++d)
+        own.seeds[d] = static_cast<std::uint32_t>(mix(own.key + d + 1));
+    return own;
+}
+
+std::uint32_t Scramble::index(std::uint32_t sample) const {
+    return shuffled ? owen_scramble(sample, static_cast<std::uint32_t>(key >> 32)) : sample;
+}
+
+SamplePoint Scramble::point(std::uint32_t sample) const {
+    SamplePoint u;
+    if (sampling == Sampling::kIndependent) {
+        const std::uint64_t place = hash(key, sample);
+        for (std::size_t d = 0; d < kBlockDimensions; ++d)
+            u[d] = fraction(static_cast<std::uint32_t>(hash(place, d) >> 32));
+        return u;
+    }
+    const Bits x = sobol(index(sample), block);
+    for (std::size_t d = 0; d < kBlockDimensions; ++d)
+        u[d] = fraction(owen_scramble(x[d], seeds[d]));
+    return u;
 }
 
 }  // namespace malus

@@ -66,18 +66,38 @@ Geometry triangle_geometry(RTCDevice device, const std::vector<Vec3f>& positions
     return geometry;
 }
 
-void fill_ray(RTCRay& ray, const Vec3& origin, const Vec3& direction) {
-    ray = {};
-    ray.org_x = static_cast<float>(origin.x);
-    ray.org_y = static_cast<float>(origin.y);
-    ray.org_z = static_cast<float>(origin.z);
-    ray.dir_x = static_cast<float>(direction.x);
-    ray.dir_y = static_cast<float>(direction.y);
-    ray.dir_z = static_cast<float>(direction.z);
+void fill_ray(RTCRay& ray, const Vec3f& origin, const Vec3f& direction) {
+    ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
+    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
     ray.tnear = 0;
     ray.tfar = std::numeric_limits<float>::infinity();
+    ray.time = 0;
     ray.mask = ~0u;
+    ray.id = 0;
+    ray.flags = 0;
 }
+
+// Rays side by side, in single precision.
+class FloatRays {
+  public:
+    explicit FloatRays(const RayOf<Reals>& rays)
+        : x_(stored(rays.origin.x)),
+          y_(stored(rays.origin.y)),
+          z_(stored(rays.origin.z)),
+          dx_(stored(rays.direction.x)),
+          dy_(stored(rays.direction.y)),
+          dz_(stored(rays.direction.z)) {}
+    // Debian's Embree has its assertions on: a NaN would end the process.
+    bool finite(std::size_t i) const { return is_finite(origin(i)) && is_finite(direction(i)); }
+    Vec3 origin(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+    Vec3 direction(std::size_t i) const { return {dx_[i], dy_[i], dz_[i]}; }
+    void fill(RTCRay& ray, std::size_t i) const {
+        fill_ray(ray, Vec3f(origin(i)), Vec3f(direction(i)));
+    }
+
+  private:
+    std::array<double, kSide> x_, y_, z_, dx_, dy_, dz_;
+};
 
 #if RTC_VERSION_MAJOR >= 4
 void embree_intersect(RTCScene scene, RTCRayHit& ray) {
@@ -204,20 +224,17 @@ struct Accel::Impl {
         rtcCommitScene(shared[m].scene.get());
     }
 
-    // How far from the scene's or the mesh's centre the numbers go that a hit is found with, m.
-    double reach_of(const Placed& at, const std::array<Vec3, 3>& p) const {
-        double reach = 0;
-        for (const Vec3& c : p)
-            reach = std::max({reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-        if (at.flat) return reach;
+    // How far from the mesh's centre the numbers go that a hit of an instance is found with, m.
+    double reach_of(const Placed& at) const {
+        if (at.flat) return 0;
         const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
         const Affine& a = instance.to_world;
         const double scale = std::max({length(a.x), length(a.y), length(a.z)});
-        return std::max(reach, scale * shared[static_cast<std::size_t>(instance.mesh)].radius);
+        return scale * shared[static_cast<std::size_t>(instance.mesh)].radius;
     }
 
     // Corners of the triangle hit, in centred world coordinates.
-    std::array<Vec3, 3> corners(const Placed& at, unsigned primitive) const {
+    std::array<Vec3, 3> corners(const Placed& at, std::uint32_t primitive) const {
         const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
         const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
         const auto& triangle = mesh.triangles[primitive];
@@ -229,43 +246,24 @@ struct Accel::Impl {
         return p;
     }
 
-    Hit surface_point(const RTCRayHit& found, const Vec3& direction) const;
+    // Up to length; 0 where the mesh has no normals.
+    Vec3 smooth_normal(const Placed& at, const Met& met) const {
+        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
+        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+        if (mesh.normals.empty()) return {};
+        const auto& triangle = mesh.triangles[met.triangle];
+        const double u = static_cast<double>(met.u), v = static_cast<double>(met.v);
+        return instance.to_world.normal((1 - u - v) * Vec3(mesh.normals[triangle[0]]) +
+                                        u * Vec3(mesh.normals[triangle[1]]) +
+                                        v * Vec3(mesh.normals[triangle[2]]));
+    }
+
+    Met met(const RTCRayHit& found) const {
+        const bool instanced = found.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+        return {instanced ? found.hit.instID[0] : found.hit.geomID, found.hit.primID, found.hit.u,
+                found.hit.v, found.ray.tfar};
+    }
 };
-
-// Position and normals from the triangle's corners in double: what Embree returns of them is
-// rounded to float along the whole ray.
-Hit Accel::Impl::surface_point(const RTCRayHit& found, const Vec3& direction) const {
-    const bool instanced = found.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-    const Placed& at = placed[instanced ? found.hit.instID[0] : found.hit.geomID];
-    const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-    const std::array<Vec3, 3> p = corners(at, found.hit.primID);
-    const double u = static_cast<double>(found.hit.u), v = static_cast<double>(found.hit.v);
-
-    Hit hit;
-    hit.instance = at.instance;
-    hit.distance = static_cast<double>(found.ray.tfar);
-    hit.position = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
-    const Vec3 outward = cross(p[1] - p[0], p[2] - p[0]);
-    const double area = length(outward);
-    hit.offset = kOffset * reach_of(at, p);
-    // A needle's area can vanish in double; Embree then hits it edge-on at most.
-    hit.ng = area > 0 ? outward / area : -direction;
-    if (dot(hit.ng, direction) > 0) hit.ng = -hit.ng;
-    hit.n = hit.ng;
-    if (mesh.normals.empty()) return hit;
-
-    const auto& triangle = mesh.triangles[found.hit.primID];
-    const Vec3 mean = (1 - u - v) * Vec3(mesh.normals[triangle[0]]) +
-                      u * Vec3(mesh.normals[triangle[1]]) + v * Vec3(mesh.normals[triangle[2]]);
-    const Vec3 smooth = instance.to_world.normal(mean);
-    const double norm = length(smooth);
-    if (!(norm > 0)) return hit;
-    const Vec3 n = smooth / (dot(smooth, hit.ng) < 0 ? -norm : norm);
-    // Near a silhouette a smooth normal can face away from the viewer; the flat one cannot.
-    if (dot(n, direction) < 0) hit.n = n;
-    return hit;
-}
 
 Accel::Accel(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Accel::~Accel() = default;
@@ -279,29 +277,110 @@ double Accel::radius() const {
     return impl_->radius;
 }
 
+unsigned Accel::intersect(const RayOf<Reals>& rays, unsigned active,
+                          std::array<Met, kSide>& met) const {
+    const FloatRays all(rays);
+    unsigned hit = 0;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        if (!(active >> i & 1) || !all.finite(i)) continue;
+        RTCRayHit found;
+        all.fill(found.ray, i);
+        found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        embree_intersect(impl_->top.get(), found);
+        if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+        met[i] = impl_->met(found);
+        hit |= 1u << i;
+    }
+    return hit;
+}
+
+unsigned Accel::occluded(const RayOf<Reals>& rays, unsigned active) const {
+    const FloatRays all(rays);
+    unsigned hidden = 0;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        if (!(active >> i & 1)) continue;
+        RTCRay ray;
+        all.fill(ray, i);
+        if (all.finite(i)) embree_occluded(impl_->top.get(), ray);
+        if (!all.finite(i) || ray.tfar < 0) hidden |= 1u << i;
+    }
+    return hidden;
+}
+
+// Positions and normals from the triangles' corners in double: what Embree returns of them is
+// rounded to float along the whole ray.
+Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) const {
+    struct Corners {
+        std::array<Vec3, 3> p;
+        Vec3 smooth;
+        double reach;
+    };
+    std::array<Corners, kSide> of;
+    bool any_smooth = false;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        const Placed& at = impl_->placed[met[i].placed];
+        of[i] = {impl_->corners(at, met[i].triangle), impl_->smooth_normal(at, met[i]),
+                 impl_->reach_of(at)};
+        any_smooth |= of[i].smooth != Vec3{};
+    }
+    const auto vectors = [&](const auto& read) {
+        return Vec3s{lanewise<Reals>([&](std::size_t i) { return read(of[i]).x; }),
+                     lanewise<Reals>([&](std::size_t i) { return read(of[i]).y; }),
+                     lanewise<Reals>([&](std::size_t i) { return read(of[i]).z; })};
+    };
+    const auto corner = [&](std::size_t c) {
+        return vectors([c](const Corners& x) -> const Vec3& { return x.p[c]; });
+    };
+    const Vec3s p0 = corner(0), p1 = corner(1), p2 = corner(2);
+    const Reals u = lanewise<Reals>([&](std::size_t i) { return met[i].u; });
+    const Reals v = lanewise<Reals>([&](std::size_t i) { return met[i].v; });
+
+    Hits hit;
+    hit.position = p0 + u * (p1 - p0) + v * (p2 - p0);
+    const Vec3s outward = cross(p1 - p0, p2 - p0);
+    const Reals area = length(outward), zero(0.0), one(1.0);
+    Reals reach = lanewise<Reals>([&](std::size_t i) { return of[i].reach; });
+    for (const Vec3s* p : {&p0, &p1, &p2})
+        reach = max(reach, max(abs(p->x), max(abs(p->y), abs(p->z))));
+    hit.offset = Reals(kOffset) * reach;
+    // A needle's area can vanish in double; Embree then hits it edge-on at most.
+    hit.ng = select(area > zero, outward / select(area > zero, area, one), -directions);
+    hit.ng = select(dot(hit.ng, directions) > zero, -hit.ng, hit.ng);
+    hit.n = hit.ng;
+    if (!any_smooth) return hit;
+
+    const Vec3s smooth = vectors([](const Corners& x) -> const Vec3& { return x.smooth; });
+    const Reals norm = length(smooth);
+    const auto some = norm > zero;
+    const Vec3s n = smooth / select(some, select(dot(smooth, hit.ng) < zero, -norm, norm), one);
+    // Near a silhouette a smooth normal can face away from the viewer; the flat one cannot.
+    hit.n = select(some && (dot(n, directions) < zero), n, hit.ng);
+    return hit;
+}
+
+int Accel::instance(const Met& met) const {
+    return impl_->placed[met.placed].instance;
+}
+
 std::optional<Hit> Accel::intersect(const Vec3& origin, const Vec3& direction) const {
-    // Debian's Embree has its assertions on: a NaN would end the process.
-    if (!is_finite(origin) || !is_finite(direction)) return std::nullopt;
-    RTCRayHit found;
-    fill_ray(found.ray, origin, direction);
-    found.hit = {};
-    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    embree_intersect(impl_->top.get(), found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return impl_->surface_point(found, direction);
+    std::array<Met, kSide> met;
+    if (!intersect({Vec3s(origin), Vec3s(direction)}, 1, met)) return std::nullopt;
+    met.fill(met[0]);
+    const Hits all = points(met, Vec3s(direction));
+    const auto first = [](const Vec3s& v) {
+        return Vec3{lane(v.x, 0), lane(v.y, 0), lane(v.z, 0)};
+    };
+    Hit hit;
+    hit.position = first(all.position), hit.ng = first(all.ng), hit.n = first(all.n);
+    hit.offset = lane(all.offset, 0);
+    hit.instance = instance(met[0]);
+    hit.distance = static_cast<double>(met[0].distance);
+    return hit;
 }
 
 bool Accel::occluded(const Vec3& origin, const Vec3& direction) const {
-    if (!is_finite(origin) || !is_finite(direction)) return true;
-    RTCRay ray;
-    fill_ray(ray, origin, direction);
-    embree_occluded(impl_->top.get(), ray);
-    return ray.tfar < 0;
-}
-
-Vec3 Accel::leave(const Hit& hit, const Vec3& toward) {
-    return hit.position + (dot(hit.ng, toward) < 0 ? -hit.offset : hit.offset) * hit.ng;
+    return occluded({Vec3s(origin), Vec3s(direction)}, 1) != 0;
 }
 
 }  // namespace malus

@@ -4,90 +4,120 @@
 
 #include <algorithm>
 
+#include "render/gaussian.h"
+
 namespace malus {
 namespace {
 
-const double kInvSqrtPi = 1 / std::sqrt(kPi);
-
-// y with ½ erfc(−y) = u: a slope of density e^{−y²}/√π. Winitzki's approximation (2008; 2e-3),
-// then one step of Halley, which leaves 1e-8.
-double gaussian_slope(double u) {
-    constexpr double a = 0.147;
-    const double log_term = std::log(4 * u * (1 - u));
-    const double b = 2 / (kPi * a) + 0.5 * log_term;
-    const double y0 =
-        std::copysign(std::sqrt(std::max(0.0, std::sqrt(b * b - log_term / a) - b)), u - 0.5);
-    const double error = u < 0.5 ? 0.5 * std::erfc(-y0) - u : (1 - u) - 0.5 * std::erfc(y0);
-    const double newton = error / (kInvSqrtPi * std::exp(-y0 * y0));
-    return y0 - newton / (1 + y0 * newton);
-}
-
 // A view stretched so that slopes have unit roughness: cosine and sine to the normal, and the
 // stretched length.
+template <class R>
 struct StretchedView {
-    double cos, sin, length;
+    R cos, sin, length;
 };
-StretchedView stretched(const Vec3& wo, double alpha) {
-    const double across = alpha * std::sqrt(wo.x * wo.x + wo.y * wo.y);
-    const double norm = std::sqrt(across * across + wo.z * wo.z);
+template <class R>
+StretchedView<R> stretched(const Vector3<R>& wo, const R& alpha) {
+    using std::sqrt;
+    const R across = alpha * sqrt(wo.x * wo.x + wo.y * wo.y);
+    const R norm = sqrt(across * across + wo.z * wo.z);
     return {wo.z / norm, across / norm, norm};
+}
+
+// Slopes beyond have no weight in a double.
+constexpr double kSteepest = 6.5;
+
+// The steepest slope that the view sees, cot of its stretched angle, or kSteepest.
+template <class R>
+R last_slope(const StretchedView<R>& view) {
+    using std::max, std::min;
+    const R steepest = real<R>(kSteepest);
+    return min(steepest, view.cos / max(view.sin, view.cos / (steepest + steepest)));
 }
 
 // ∫_{−∞}^{X} (cos − x sin) e^{−x²}/√π dx: facets of slope below X, weighed by how much the view
 // sees of them.
-double seen_below(const StretchedView& view, double X) {
-    return 0.5 * view.cos * std::erfc(-X) + 0.5 * view.sin * kInvSqrtPi * std::exp(-X * X);
+template <class R>
+R seen_below(const StretchedView<R>& view, const GaussTail<R>& minus_X) {
+    return real<R>(0.5) * (view.cos * minus_X.erfc + view.sin * minus_X.gauss);
+}
+template <class R>
+R seen_area(const StretchedView<R>& view) {
+    return seen_below(view, gauss_tail(R(-last_slope(view))));
 }
 
-// The steepest slope that the view sees, cot of its stretched angle.
-double last_slope(const StretchedView& view) {
-    return view.sin > 0 ? view.cos / view.sin : HUGE_VAL;
-}
-
-// X with seen_below(X) = u · seen_below(last): Newton's method kept inside a shrinking bracket.
-double visible_slope(const StretchedView& view, double u) {
-    double low = -6.5, high = std::min(last_slope(view), 6.5);
-    const double target = u * seen_below(view, last_slope(view));
+// X with seen_below(X) = u · seen_below(last): Halley's method kept inside a shrinking bracket.
+template <class R>
+R visible_slope(const StretchedView<R>& view, const R& u) {
+    using std::abs, std::max, std::min, std::sqrt;
+    const R half = real<R>(0.5), one = real<R>(1), last = last_slope(view);
+    R low = real<R>(-kSteepest), high = last;
+    const GaussTail<R> at_last = gauss_tail(R(-last));
+    const R area = seen_below(view, at_last), target = u * area;
     // Exact for a view along the normal, near for others: the visible slopes' mean is shifted.
-    double X = std::clamp(gaussian_slope(u) - 0.5 * view.sin * (1 - 0.3 * view.cos), low, high);
+    R X = gaussian_slope(u) - half * view.sin * (one - real<R>(0.3) * view.cos);
+    // What is seen falls to 0 at the last slope: from there the root is nearly that of a square.
+    const auto near_last = X > last - real<R>(0.1);
+    const R beyond = (one - u) * area / max(view.sin * at_last.gauss, real<R>(1e-30));
+    X = max(select(near_last, last - sqrt(beyond + beyond), X), low);
     for (int i = 0; i < 40; ++i) {
-        const double gauss = kInvSqrtPi * std::exp(-X * X);
-        const double error = 0.5 * view.cos * std::erfc(-X) + 0.5 * view.sin * gauss - target;
-        (error > 0 ? high : low) = X;
-        const double density = (view.cos - X * view.sin) * gauss;
-        double next = density > 0 ? X - error / density : HUGE_VAL;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
-        if (std::abs(next - X) < 1e-9) return next;
+        const GaussTail<R> tail = gauss_tail(-X);
+        const R error = seen_below(view, tail) - target;
+        const auto above = error > real<R>(0);
+        high = select(above, X, high);
+        low = select(above, low, X);
+        const R weight = view.cos - X * view.sin, density = weight * tail.gauss;
+        const R slope = -view.sin * tail.gauss - (X + X) * density;  // of the density
+        const R divisor = density * density - half * error * slope;
+        const auto sound = divisor > real<R>(0);
+        R next = X - error * density / select(sound, divisor, one);
+        const auto inside = sound && (next > low) && (next < high);
+        next = select(inside, next, half * (low + high));
+        const R step = abs(next - X);
         X = next;
+        // The error after a step is of its cube.
+        if (!any(step > real<R>(1e-4) * min(last - X, one))) break;
     }
     return X;
 }
 
-Vec3 reflect(const Vec3& wo, const Vec3& h) {
-    return 2 * dot(wo, h) * h - wo;
+template <class R>
+Vector3<R> reflect(const Vector3<R>& wo, const Vector3<R>& h) {
+    const R twice = dot(wo, h) + dot(wo, h);
+    return twice * h - wo;
 }
 
-Vec3 cosine_hemisphere(double u1, double u2) {
-    const double r = std::sqrt(u1), phi = 2 * kPi * u2;
-    return {r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u1)};
+template <class R>
+Vector3<R> cosine_hemisphere(const R& u1, const R& u2) {
+    using std::sqrt;
+    const R r = sqrt(u1);
+    const CosSin<R> at = cos_sin(real<R>(2 * kPi) * u2);
+    return {r * at.cos, r * at.sin, sqrt(real<R>(1) - u1)};
 }
 
 // A facet normal of the Beckmann distribution as seen from wo.
-Vec3 visible_normal(const Vec3& wo, double sigma, double u1, double u2) {
-    const double alpha = std::sqrt(2.0) * sigma;
-    const double along = alpha * visible_slope(stretched(wo, alpha), u1);
-    const double across = alpha * gaussian_slope(u2);
+template <class R>
+Vector3<R> visible_normal(const Vector3<R>& wo, const R& sigma, const R& u1, const R& u2) {
+    using std::sqrt;
+    const R one = real<R>(1), zero = real<R>(0);
+    const R alpha = real<R>(std::sqrt(2.0)) * sigma;
+    const R along = alpha * visible_slope(stretched(wo, alpha), u1);
+    const R across = alpha * gaussian_slope(u2);
     // Slopes are along and across the view's azimuth; the normal is (−slope, 1).
-    const double r = std::sqrt(wo.x * wo.x + wo.y * wo.y);
-    const double c = r > 0 ? wo.x / r : 1, s = r > 0 ? wo.y / r : 0;
-    return normalize(Vec3{-(c * along - s * across), -(s * along + c * across), 1});
+    const R r = sqrt(wo.x * wo.x + wo.y * wo.y);
+    const auto tilted = r > zero;
+    const R safe = select(tilted, r, one);
+    const R c = select(tilted, wo.x / safe, one), s = wo.y / safe;
+    return normalize(Vector3<R>{-(c * along - s * across), -(s * along + c * across), one});
 }
 
 // tan²θ of Cauchy slopes by inversion of ∫ dt/((1+t)(a+t)) = ln[(a+t)/(a(1+t))]/(1−a), a = σ².
-double cauchy_tan2(double sigma, double u) {
-    const double a = sigma * sigma, log_a = std::log(a);
-    if (std::abs(log_a) < 1e-9) return u / (1 - u);
-    return a * std::expm1(-u * log_a) / -std::expm1((1 - u) * log_a);
+template <class R>
+R cauchy_tan2(const R& sigma, const R& u) {
+    using std::abs, std::expm1, std::log;
+    const R one = real<R>(1), a = sigma * sigma, log_a = log(a);
+    const auto even = abs(log_a) < real<R>(1e-9);
+    const R b = select(even, one, log_a);
+    return select(even, u / (one - u), a * expm1(-u * b) / -expm1((one - u) * b));
 }
 
 // ∫ P dΩ / B of Cauchy slopes: π ln(1/a)/(1−a).
@@ -96,9 +126,12 @@ double cauchy_norm(double sigma) {
     return std::abs(a - 1) < 1e-9 ? kPi : -kPi * std::log(a) / (1 - a);
 }
 
-Vec3 cauchy_normal(double sigma, double u1, double u2) {
-    const double tan_theta = std::sqrt(cauchy_tan2(sigma, u1)), phi = 2 * kPi * u2;
-    return normalize(Vec3{tan_theta * std::cos(phi), tan_theta * std::sin(phi), 1});
+template <class R>
+Vector3<R> cauchy_normal(const R& sigma, const R& u1, const R& u2) {
+    using std::sqrt;
+    const R tan_theta = sqrt(cauchy_tan2(sigma, u1));
+    const CosSin<R> at = cos_sin(real<R>(2 * kPi) * u2);
+    return normalize(Vector3<R>{tan_theta * at.cos, tan_theta * at.sin, real<R>(1)});
 }
 
 // What facets and volume of a row reflect at this view, about.
@@ -177,57 +210,73 @@ std::size_t DirectionSampler::lobe_of(double sigma) const {
     return j;
 }
 
-DirectionSampler::Shares DirectionSampler::shares_at(double cos_o) const {
-    const double x = std::min(cos_o, 1.0) * (kViews - 1);
-    const auto i = std::min(static_cast<std::size_t>(x), kViews - 2);
-    const double t = x - static_cast<double>(i);
-    const auto between = [t](double a, double b) { return (1 - t) * a + t * b; };
-    Shares shares{between(shares_[i].volume, shares_[i + 1].volume), {}};
-    for (std::size_t j = 0; j < sigmas_.size(); ++j)
-        shares.lobe[j] = between(shares_[i].lobe[j], shares_[i + 1].lobe[j]);
-    return shares;
-}
-
-DirectionSampler::View::View(const DirectionSampler& sampler, const Vec3& wo)
-    : sampler_(sampler), wo_(wo), share_(sampler.shares_at(wo.z)), visible_area_{} {
-    if (sampler.slopes_ != Slopes::kGaussian) return;
+template <class R>
+DirectionSampler::View<R>::View(const DirectionSampler& sampler, const Vector3<R>& wo)
+    : sampler_(sampler), wo_(wo) {
+    using std::min;
+    const auto x = stored(min(wo.z, real<R>(1)) * real<R>(kViews - 1));
+    std::array<std::size_t, kLaneCount<R>> node;
+    for (std::size_t i = 0; i < node.size(); ++i)
+        node[i] = std::min(static_cast<std::size_t>(x[i]), kViews - 2);
+    const auto between = [&](const auto& share) {
+        return lanewise<R>([&](std::size_t i) {
+            const double t = x[i] - static_cast<double>(node[i]);
+            return (1 - t) * share(sampler.shares_[node[i]]) +
+                   t * share(sampler.shares_[node[i] + 1]);
+        });
+    };
+    volume_share_ = between([](const Shares& shares) { return shares.volume; });
     for (std::size_t j = 0; j < sampler.sigmas_.size(); ++j) {
-        const StretchedView view = stretched(wo, std::sqrt(2.0) * sampler.sigmas_[j]);
-        visible_area_[j] = view.length * seen_below(view, last_slope(view));
+        lobe_share_[j] = between([j](const Shares& shares) { return shares.lobe[j]; });
+        if (sampler.slopes_ != Slopes::kGaussian) continue;
+        const StretchedView<R> view = stretched(wo, real<R>(std::sqrt(2.0) * sampler.sigmas_[j]));
+        visible_area_[j] = view.length * seen_area(view);
     }
 }
 
-Vec3 DirectionSampler::View::sample(double u_lobe, double u1, double u2) const {
-    double rest = u_lobe - share_.volume;
-    if (rest < 0 || sampler_.sigmas_.empty()) return cosine_hemisphere(u1, u2);
-    std::size_t j = 0;
-    while (j + 1 < sampler_.sigmas_.size() && rest >= share_.lobe[j]) rest -= share_.lobe[j++];
-    const double sigma = sampler_.sigmas_[j];
-    const Vec3 h = sampler_.slopes_ == Slopes::kGaussian ? visible_normal(wo_, sigma, u1, u2)
-                                                         : cauchy_normal(sigma, u1, u2);
-    return reflect(wo_, h);
+template <class R>
+Vector3<R> DirectionSampler::View<R>::sample(const R& u_lobe, const R& u1, const R& u2) const {
+    const R zero = real<R>(0);
+    R rest = u_lobe - volume_share_;
+    const auto by_volume = rest < zero;
+    if (sampler_.sigmas_.empty()) return cosine_hemisphere(u1, u2);
+    R sigma = real<R>(sampler_.sigmas_.front());
+    for (std::size_t j = 0; j + 1 < sampler_.sigmas_.size(); ++j) {
+        rest = rest - lobe_share_[j];
+        sigma = select(rest >= zero, real<R>(sampler_.sigmas_[j + 1]), sigma);
+    }
+    const Vector3<R> h = sampler_.slopes_ == Slopes::kGaussian ? visible_normal(wo_, sigma, u1, u2)
+                                                               : cauchy_normal(sigma, u1, u2);
+    const Vector3<R> wi = reflect(wo_, h);
+    return any(by_volume) ? select(by_volume, cosine_hemisphere(u1, u2), wi) : wi;
 }
 
-double DirectionSampler::View::pdf(const Vec3& wi) const {
-    if (!(wi.z > 0)) return 0;
-    const Vec3 sum = wi + wo_;
-    const double norm2 = dot(sum, sum);
-    const double cos2 = sum.z * sum.z / norm2;
-    const double tan2 = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
-    const double wo_h = 0.5 * std::sqrt(norm2);
-    double facets = 0;
+template <class R>
+R DirectionSampler::View<R>::pdf(const Vector3<R>& wi) const {
+    using std::sqrt;
+    const R zero = real<R>(0), one = real<R>(1), four = real<R>(4);
+    const auto above = wi.z > zero;
+    const Vector3<R> sum = wi + wo_;
+    const R norm2 = dot(sum, sum), z2 = select(above, sum.z * sum.z, one);
+    const R cos2 = z2 / norm2;
+    const R tan2 = (sum.x * sum.x + sum.y * sum.y) / z2;
+    R facets = zero;
     for (std::size_t j = 0; j < sampler_.sigmas_.size(); ++j) {
-        const double sigma = sampler_.sigmas_[j], share = share_.lobe[j];
+        const double sigma = sampler_.sigmas_[j];
         if (sampler_.slopes_ == Slopes::kGaussian) {
-            const double alpha2 = 2 * sigma * sigma;
-            const double D = std::exp(-tan2 / alpha2) / (kPi * alpha2 * cos2 * cos2);
-            facets += share * D / (4 * visible_area_[j]);
+            const R alpha2 = real<R>(2 * sigma * sigma);
+            const R D = decay(-tan2 / alpha2) / (real<R>(kPi) * alpha2 * cos2 * cos2);
+            facets = facets + lobe_share_[j] * D / (four * visible_area_[j]);
         } else {
-            const double P = 1 / (std::sqrt(cos2) * (sigma * sigma + tan2));
-            facets += share * P / (4 * wo_h * cauchy_norm(sigma));
+            const R wo_h = real<R>(0.5) * sqrt(norm2);
+            const R P = one / (sqrt(cos2) * (real<R>(sigma * sigma) + tan2));
+            facets = facets + lobe_share_[j] * P / (four * wo_h * real<R>(cauchy_norm(sigma)));
         }
     }
-    return share_.volume * wi.z / kPi + facets;
+    return select(above, volume_share_ * wi.z * real<R>(1 / kPi) + facets, zero);
 }
+
+template class DirectionSampler::View<double>;
+template class DirectionSampler::View<Reals>;
 
 }  // namespace malus

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "malus/optics/priest_germer.h"
+#include "render/lanes.h"
 
 namespace malus {
 
@@ -38,22 +39,24 @@ class DirectionSampler {
     /// Does the paint reflect anything at any wavelength?
     bool black() const { return black_; }
 
-    /// The mixture as seen from one direction.
+    /// The mixture as seen from one direction (R = double) or several side by side (R = Reals).
+    template <class R>
     class View {
       public:
         /// wo: local, wo.z > 0.
-        View(const DirectionSampler& sampler, const Vec3& wo);
+        View(const DirectionSampler& sampler, const Vector3<R>& wo);
         /// A direction wi from three numbers in (0,1); may lie below the surface (wi.z ≤ 0),
         /// where f = 0 and the sample counts as nothing.
-        Vec3 sample(double u_lobe, double u1, double u2) const;
+        Vector3<R> sample(const R& u_lobe, const R& u1, const R& u2) const;
         /// Density of sample() at wi, sr⁻¹.
-        double pdf(const Vec3& wi) const;
+        R pdf(const Vector3<R>& wi) const;
 
       private:
         const DirectionSampler& sampler_;
-        Vec3 wo_;
-        Shares share_;
-        std::array<double, kMostLobes> visible_area_;  // A(wo) of each Gaussian lobe
+        Vector3<R> wo_;
+        R volume_share_;
+        std::array<R, kMostLobes> lobe_share_;
+        std::array<R, kMostLobes> visible_area_;  // A(wo) of each Gaussian lobe
     };
 
   private:
@@ -61,7 +64,6 @@ class DirectionSampler {
 
     Shares shares_for(std::span<const PriestGermer<double>> rows, double cos_o) const;
     std::size_t lobe_of(double sigma) const;
-    Shares shares_at(double cos_o) const;
 
     Slopes slopes_;
     bool black_ = true;

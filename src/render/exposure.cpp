@@ -92,10 +92,8 @@ void PixelExposure::set_open(std::uint32_t replicate, std::size_t wavelength, do
         static_cast<std::uint8_t>(std::lround(255 * share));
 }
 
-bool PixelExposure::is_open(std::uint32_t replicate) const {
-    const auto shares = open_.begin() + static_cast<std::ptrdiff_t>(replicate * wavelengths_);
-    return std::any_of(shares, shares + static_cast<std::ptrdiff_t>(wavelengths_),
-                       [](std::uint8_t share) { return share > 0; });
+bool PixelExposure::is_open() const {
+    return std::any_of(open_.begin(), open_.end(), [](std::uint8_t share) { return share > 0; });
 }
 
 void PixelExposure::add_surface(int instance, double distance) {

@@ -1,73 +1,88 @@
-// path_tracer.cpp — the path loop, and its shading.
+// path_tracer.cpp — the path loop.
 // SPDX-License-Identifier: Apache-2.0
 #include "render/path_tracer.h"
+
+#include <bit>
 
 namespace malus {
 namespace {
 
 // Which numbers of a block serve what.
 enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kPixelX, kPixelY };
-enum SunDimension { kSun1, kSun2 };
 constexpr std::uint32_t kSunBlocks = 1u << 20;  // blocks of their own, beyond any path's vertices
 
-// Rows of a SkyDome or a SkyEmitter.
-template <class Rows>
-Stokes<Lanes> sky_light(const Rows& sky, const SkyLookup& at, std::size_t first) {
-    Stokes<Lanes> S{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
-    for (std::size_t i = 0; i < 4; ++i) {
-        const Lanes weight(at.weight[i]);
-        const auto row = [&](int c) {
-            return weight * Lanes::load_unaligned(sky.row(at.node[i], c) + first);
-        };
-        S = S + Stokes<Lanes>{row(0), row(1), row(2), row(3)};
+// Calls visit(surface, lanes) for each surface among lanes.
+template <class Visit>
+void for_each_surface(const std::array<int, kSide>& surface, const Visit& visit) {
+    for (unsigned left = kAllLanes; left;) {
+        const int first = surface[static_cast<std::size_t>(std::countr_zero(left))];
+        unsigned same = 0;
+        for (std::size_t i = 0; i < kSide; ++i) same |= (surface[i] == first ? 1u : 0u) << i;
+        visit(first, same);
+        left &= ~same;
     }
-    return S;
 }
 
-Stokes<Lanes> sun_light(const SunDisc& sun, std::size_t first) {
-    return {Lanes::load_unaligned(sun.radiance() + first), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
+// Light from wi, in fixed_frame(wi) or unpolarized, to the frame `toward`; `weight` without the
+// cosine. Lanes not in `lanes` bring none.
+Bounces bounces(const Vec3s& n, const Vec3s& wi, const Vec3s& wo, const BeamFrames& toward,
+                const Reals& weight, unsigned lanes) {
+    const Mask used = mask_of(lanes);
+    const Vec3s w = select(used, wi, n);  // any sound direction
+    Bounces to;
+    to.geometry = reflection(n, w, wo);
+    to.in = turn_between(fixed_frame_above(w), to.geometry.in);
+    to.out = turn_between(to.geometry.out, toward);
+    to.weight = select(used, to.geometry.cos_i * weight, Reals(0.0));
+    return to;
 }
 
-bool is_sky(const SkyLookup& at) {
-    return at.weight != std::array<float, 4>{};
+Reals inverse(const Reals& pdf) {
+    return Reals(1.0) / max(pdf, Reals(1e-300));
 }
 
-// Light as a facet may meet it: rounding of the turns before must not take S0 below |S1|.
-Stokes<Lanes> at_least_polarized(Stokes<Lanes> S) {
-    S.s0 = max(S.s0, abs(S.s1));
-    return S;
-}
-
-Stokes<Lanes> reflected(const Surface& surface, std::size_t first, const Bounce& bounce,
-                        const Stokes<Lanes>& S) {
-    const BrdfMueller<Lanes> f =
-        eval(surface.lanes(first), surface.slopes(), surface.attenuation(), bounce.geometry);
-    const Stokes<Lanes> in = at_least_polarized(turned(S, bounce.in));
-    return turned(real<Lanes>(bounce.weight) * (f * in), bounce.out);
-}
-
-// Light from wi as a node reflects it; `weight` without the cosine. No light from below its plane.
-Bounce open_bounce(const SkyNode& node, const Vec3& wi, double weight) {
-    Bounce bounce;
-    if (!(dot(wi, node.n) > 0) || wi.y < 0) return bounce;
-    bounce.geometry = reflection(node.n, wi, node.wo);
-    bounce.in = turn_between(fixed_frame(wi), bounce.geometry.in);
-    bounce.out = turn_between(bounce.geometry.out, node.toward);
-    bounce.weight = bounce.geometry.cos_i * weight;
-    return bounce;
-}
-
-// Moves the origin of a ray from far away to where it enters the ball around the scene, in double:
-// floats are too coarse for an origin at a satellite. Returns the way saved, m.
-double approach(Ray& ray, double radius) {
-    const double reach = 2 * radius, along = -dot(ray.origin, ray.direction);
-    const double skipped = along - reach;
-    if (skipped <= 0) return 0;
-    ray.origin = ray.origin + skipped * ray.direction;
+// Moves the origins of rays from far away to where they enter the ball around the scene, in double:
+// floats are too coarse for an origin at a satellite. Returns the ways saved, m.
+Reals approach(Rays& rays, double radius) {
+    const Reals along = -dot(rays.origin, rays.direction);
+    const Reals skipped = max(along - Reals(2 * radius), Reals(0.0));
+    rays.origin = rays.origin + skipped * rays.direction;
     return skipped;
 }
 
+std::array<Vec3, kSide> stored(const Vec3s& v) {
+    const auto x = malus::stored(v.x), y = malus::stored(v.y), z = malus::stored(v.z);
+    std::array<Vec3, kSide> all;
+    for (std::size_t i = 0; i < kSide; ++i) all[i] = {x[i], y[i], z[i]};
+    return all;
+}
+
+// Vectors of read(lane).
+template <class Read>
+Vec3s vectors(const Read& read) {
+    return {lanewise<Reals>([&](std::size_t i) { return read(i).x; }),
+            lanewise<Reals>([&](std::size_t i) { return read(i).y; }),
+            lanewise<Reals>([&](std::size_t i) { return read(i).z; })};
+}
+
 }  // namespace
+
+// Vertices while directions are drawn at them.
+struct PathTracer::Meeting {
+    std::array<std::uint32_t, kSide> path;
+    std::array<int, kSide> instance, surface;
+    unsigned live;  // lanes with a path, and a surface that reflects
+    Hits hit;
+    Vec3s wo;
+    BeamFrames toward;
+    // Drawn by the sky's brightness, to the sun, and by the surfaces' lobes; densities of the latter.
+    SkySamples sky;
+    Vec3s sun, onward;
+    Reals sky_by_surface, sun_by_surface, onward_by_surface;
+    unsigned onward_drawn;  // lanes where it leads above the surface
+    SkyLights onward_lights;
+    unsigned sky_seen, onward_seen;
+};
 
 PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
                        const RenderSettings& settings)
@@ -77,233 +92,284 @@ PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
       settings_(settings) {}
 
 // 1/pdf of a direction to sky or sun, as the balance heuristic weighs it.
-double PathTracer::light_weight(double by_light, double by_surface, Lighting drawn_by) const {
-    if (settings_.lighting == Lighting::kBoth) return 1 / (by_light + by_surface);
-    if (settings_.lighting != drawn_by) return 0;
-    return 1 / (drawn_by == Lighting::kLightSamples ? by_light : by_surface);
-}
-
-// The node whose open sky stands for the first vertex's, if there is one near enough.
-const SkyNode* PathTracer::find_open(const SkyTable& table, int pixel_x, int pixel_y,
-                                     const Hit& hit, const Vec3& wo, Path& path) const {
-    constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
-    const int index = table.find(pixel_x, pixel_y, hit.instance, hit.n);
-    if (index < 0) return nullptr;
-    const SkyNode& node = table.node(index);
-    const double scale = node.cos_o / dot(hit.n, wo);
-    if (scale > kFarthest || scale * kFarthest < 1) return nullptr;
-    path.open = {};
-    path.open.node = index;
-    path.open.scale = scale;
-    return &node;
+Reals PathTracer::light_weight(const Reals& by_light, const Reals& by_surface,
+                               Lighting drawn_by) const {
+    if (settings_.lighting == Lighting::kBoth) return inverse(by_light + by_surface);
+    if (settings_.lighting != drawn_by) return Reals(0.0);
+    return inverse(drawn_by == Lighting::kLightSamples ? by_light : by_surface);
 }
 
 std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
-    Ray ray = picture_.ray(pixel_x + 0.5, pixel_y + 0.5);
-    ray.origin = ray.origin - scene_.accel.center();
-    approach(ray, scene_.accel.radius());
-    return scene_.accel.intersect(ray.origin, ray.direction);
+    Rays rays = picture_.ray<Reals>(Reals(pixel_x + 0.5), Reals(pixel_y + 0.5));
+    rays.origin = rays.origin - Vec3s(scene_.accel.center());
+    approach(rays, scene_.accel.radius());
+    return scene_.accel.intersect(stored(rays.origin)[0], stored(rays.direction)[0]);
 }
 
-void PathTracer::trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample,
-                       Path& path, const SkyTable* table) const {
-    path.vertices.clear();
-    path.open.node = -1;
-    path.sees_sun = false;
-    SamplePoint u = sampler.point(sample, 0);
-    Ray ray = picture_.ray(pixel_x + u[kPixelX], pixel_y + u[kPixelY]);
-    ray.origin = ray.origin - scene_.accel.center();
-    const double skipped = approach(ray, scene_.accel.radius());
-    // The frame in which light must leave the vertex: first the picture's, then the facet's.
-    BeamFrame toward = image_frame(camera_, -ray.direction);
-
-    path.count(ray, RayKind::kFirstHit);
-    std::optional<Hit> hit = scene_.accel.intersect(ray.origin, ray.direction);
-    if (!hit) {
-        path.sky = scene_.sky.dome().locate(ray.direction);
-        path.sky_turn = turn_between(fixed_frame(ray.direction), toward);
-        path.sees_sun = scene_.sun.contains(ray.direction);
-        return;
-    }
-    for (int depth = 1; hit; ++depth) {
-        if (depth > 1) u = sampler.point(sample, static_cast<std::uint32_t>(depth - 1));
-        const Surface& surface = scene_.surface_of(hit->instance);
-        const Vec3 wo = -ray.direction;
-        Vertex& vertex = path.vertices.emplace_back();
-        vertex.instance = hit->instance;
-        vertex.distance = hit->distance + (depth == 1 ? skipped : 0);
-        if (surface.directions().black()) return;
-
-        // Light from a direction drawn by the sky's brightness, and from the sun.
-        const Basis basis(hit->n, wo);
-        const DirectionSampler::View lobes(surface.directions(), basis.to_local(wo));
-        const SkyNode* open =
-            depth == 1 && table ? find_open(*table, pixel_x, pixel_y, *hit, wo, path) : nullptr;
-        sample_sky(*hit, basis, wo, lobes, u, toward, open, path);
-        if (scene_.sun.present()) {
-            const std::uint32_t block = kSunBlocks + static_cast<std::uint32_t>(depth);
-            sample_sun(*hit, basis, wo, lobes, sampler.point(sample, block), toward, path);
-        }
-
-        // A direction drawn by the surface's lobes; facets that point it underground reflect none.
-        const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
-        const Vec3 wi = basis.to_world(local);
-        if (!(local.z > 0)) return;
-        const double pdf = lobes.pdf(local);
-        if (!(pdf > 0)) return;
-        if (open) {
-            path.open.onward_light = scene_.sky.locate(wi);
-            path.open.onward =
-                open_bounce(*open, wi, path.open.scale / (path.open.onward_light.pdf + pdf));
-        }
-        if (!(dot(wi, hit->ng) > 0)) return;
-        vertex.onward.geometry = reflection(hit->n, wi, wo);
-        vertex.onward.out = turn_between(vertex.onward.geometry.out, toward);
-        const double cos_i = vertex.onward.geometry.cos_i;
-
-        // On the last bounce only the sky beyond matters.
-        const bool last = depth == settings_.max_depth;
-        if (last && wi.y < 0) return;
-        ray = {Accel::leave(*hit, wi), wi};
-        path.count(ray, last ? RayKind::kAnyHit : RayKind::kFirstHit);
-        const bool blocked = last && scene_.accel.occluded(ray.origin, wi);
-        hit = last ? std::nullopt : scene_.accel.intersect(ray.origin, wi);
-        if (blocked) return;
-        if (hit) {
-            vertex.onward.weight = cos_i / pdf;
-            toward = vertex.onward.geometry.in;
-        } else {
-            vertex.onward_light = open ? path.open.onward_light : scene_.sky.locate(wi);
-            path.open.onward_seen |= depth == 1;
-            vertex.onward.in = turn_between(fixed_frame(wi), vertex.onward.geometry.in);
-            const double weight =
-                light_weight(vertex.onward_light.pdf, pdf, Lighting::kSurfaceSamples);
-            vertex.onward.weight = cos_i * weight;
-            if (weight > 0 && scene_.sun.contains(wi))
-                vertex.onward_sun =
-                    light_weight(scene_.sun.pdf(), pdf, Lighting::kSurfaceSamples) / weight;
+void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count,
+                       Paths& paths, const SkyTable* table) const {
+    paths.start(first, count, static_cast<std::size_t>(settings_.max_depth));
+    look_through(pixel_x, pixel_y, paths);
+    for (int depth = 1; depth <= settings_.max_depth; ++depth) {
+        Paths::Level& level = paths.level(depth);
+        for (std::size_t i = 0; i < level.arrivals.size(); i += kSide) {
+            Meeting at = meet(depth, i, paths);
+            Vertices& vertices = level.vertices.emplace_back();
+            vertices.surface = at.surface;
+            draw(depth, at, paths);
+            sample_lights(at, paths, vertices);
+            go_on(depth, at, paths, vertices);
+            if (depth == 1 && table) paths.open_.push_back(open_sky(at, *table, pixel_x, pixel_y));
         }
     }
 }
 
-// Does light from w reach the hit?
-bool PathTracer::sees_sky(const Hit& hit, const Vec3& w, Path& path) const {
-    if (!(dot(w, hit.n) > 0) || !(dot(w, hit.ng) > 0)) return false;
-    const Ray shadow{Accel::leave(hit, w), w};
-    path.count(shadow, RayKind::kAnyHit);
-    return !scene_.accel.occluded(shadow.origin, shadow.direction);
-}
+// Rays through points of the pixel, to the first vertices.
+void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
+    for (std::size_t first = 0; first < paths.size(); first += kSide) {
+        const std::size_t used = std::min(kSide, paths.size() - first);
+        const unsigned lanes = kAllLanes >> (kSide - used);
+        std::array<std::uint32_t, kSide> path;
+        for (std::size_t i = 0; i < kSide; ++i)
+            path[i] = static_cast<std::uint32_t>(first + (i < used ? i : 0));
+        const auto u = points<kPixelX, 2>(paths.places(path, 0));
+        Rays rays = picture_.ray<Reals>(Reals(pixel_x) + u[0], Reals(pixel_y) + u[1]);
+        rays.origin = rays.origin - Vec3s(scene_.accel.center());
+        const auto skipped = malus::stored(approach(rays, scene_.accel.radius()));
+        const BeamFrames frame = image_frame(camera_, -rays.direction);
 
-// Fills the last vertex's sky_sample if a direction drawn by the sky's brightness sees the sky.
-void PathTracer::sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
-                            const DirectionSampler::View& lobes, const SamplePoint& u,
-                            const BeamFrame& toward, const SkyNode* open, Path& path) const {
-    const LightSample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
-    if (!(sky.light.pdf > 0)) return;
-    const bool seen = sees_sky(hit, sky.w, path);
-    if (!seen && !open) return;
-    const double by_surface = lobes.pdf(basis.to_local(sky.w));
-    if (open) {
-        path.open.sky_sample_light = sky.light;
-        path.open.sky_sample_seen = seen;
-        path.open.sky_sample =
-            open_bounce(*open, sky.w, path.open.scale / (sky.light.pdf + by_surface));
+        paths.count(rays, lanes, RayKind::kFirstHit);
+        std::array<Met, kSide> met;
+        const unsigned hit = scene_.accel.intersect(rays, lanes, met);
+        Views& views = paths.views_.emplace_back();
+        views.next = paths.arrive(1, hit, path, rays.direction, frame.x, met);
+        for (std::size_t i = 0; i < used; ++i) {
+            if (!(hit >> i & 1)) continue;
+            paths.first_vertex_[first + i] = views.next[i];
+            paths.first_instance_[first + i] = scene_.accel.instance(met[i]);
+            paths.first_distance_[first + i] = static_cast<double>(met[i].distance) + skipped[i];
+        }
+        views.sky = {};
+        views.sun = 0;
+        if (hit == lanes) continue;
+        const auto directions = stored(rays.direction);
+        for (std::size_t i = 0; i < used; ++i)
+            if (!(hit >> i & 1)) views.sky[i] = scene_.sky.dome().locate(directions[i]);
+        const Mask above = rays.direction.y >= Reals(0.0);
+        const Vec3s up = select(above, rays.direction, Vec3s(Vec3{0, 1, 0}));
+        const BeamFrames up_frame = image_frame(camera_, -up);
+        views.turn = turn_between(fixed_frame_above(up), up_frame);
+        views.sun = bits(scene_.sun.contains(rays.direction)) & lanes & ~hit;
     }
-    if (!seen) return;
-    Vertex& vertex = path.vertices.back();
-    Bounce& bounce = vertex.sky_sample;
-    bounce.geometry = reflection(hit.n, sky.w, wo);
-    bounce.in = turn_between(fixed_frame(sky.w), bounce.geometry.in);
-    bounce.out = turn_between(bounce.geometry.out, toward);
-    bounce.weight =
-        bounce.geometry.cos_i * light_weight(sky.light.pdf, by_surface, Lighting::kLightSamples);
-    vertex.sky_sample_light = sky.light;
 }
 
-void PathTracer::trace_open(const SkyNode& node, const Sampler& sampler, std::uint32_t sample,
-                            Path& path) const {
-    path.open = {};
-    const SamplePoint u = sampler.point(sample, 0);
-    const Basis basis(node.n, node.wo);
-    const DirectionSampler::View lobes(scene_.surface_of(node.instance).directions(),
-                                       basis.to_local(node.wo));
-    const LightSample sky = scene_.sky.sample(u[kSky1], u[kSky2]);
-    if (sky.light.pdf > 0) {
-        path.open.sky_sample_light = sky.light;
-        path.open.sky_sample =
-            open_bounce(node, sky.w, 1 / (sky.light.pdf + lobes.pdf(basis.to_local(sky.w))));
-    }
-    const Vec3 local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
-    if (!(local.z > 0)) return;
-    const double pdf = lobes.pdf(local);
-    if (!(pdf > 0)) return;
-    const Vec3 wi = basis.to_world(local);
-    path.open.onward_light = scene_.sky.locate(wi);
-    path.open.onward = open_bounce(node, wi, 1 / (path.open.onward_light.pdf + pdf));
-}
-
-void PathTracer::shade_open(const Path& path, const SkyNode& node, float* C) const {
-    const Surface& surface = scene_.surface_of(node.instance);
-    const OpenSky& open = path.open;
-    const auto light = [&](const Bounce& bounce, const LightLookup& from, std::size_t first) {
-        if (!(bounce.weight > 0) || !is_sky(from.at))
-            return Stokes<Lanes>{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
-        return reflected(surface, first, bounce, sky_light(scene_.sky, from.at, first));
+// kSide vertices from arrival `first` on.
+PathTracer::Meeting PathTracer::meet(int depth, std::size_t first, Paths& paths) const {
+    const std::vector<Paths::Arrival>& arrivals = paths.level(depth).arrivals;
+    const std::size_t used = std::min(kSide, arrivals.size() - first);
+    const auto arrival = [&](std::size_t i) -> const Paths::Arrival& {
+        return arrivals[first + (i < used ? i : 0)];
     };
-    for (std::size_t first = 0; first < stride(); first += kLanes) {
-        const Stokes<Lanes> a = light(open.sky_sample, open.sky_sample_light, first);
-        const Stokes<Lanes> b = light(open.onward, open.onward_light, first);
-        (a.s0 + b.s0).store_unaligned(C + first);
-        (a.s1 + b.s1).store_unaligned(C + stride() + first);
-        (a.s2 + b.s2).store_unaligned(C + 2 * stride() + first);
-        (a.s3 + b.s3).store_unaligned(C + 3 * stride() + first);
-        const Lanes seen =
-            (open.sky_sample_seen ? a.s0 : Lanes(0.f)) + (open.onward_seen ? b.s0 : Lanes(0.f));
-        seen.store_unaligned(C + 4 * stride() + first);
+    Meeting at;
+    at.live = kAllLanes >> (kSide - used);
+    std::array<Met, kSide> met;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        met[i] = arrival(i).met;
+        at.path[i] = arrival(i).path;
+        at.instance[i] = scene_.accel.instance(met[i]);
+        at.surface[i] = scene_.paints[static_cast<std::size_t>(at.instance[i])];
     }
+    const Vec3s direction = vectors([&](std::size_t i) { return arrival(i).direction; });
+    at.hit = scene_.accel.points(met, direction);
+    at.wo = -direction;
+    at.toward = {at.wo, vectors([&](std::size_t i) { return arrival(i).toward_x; })};
+    return at;
 }
 
-// Fills the last vertex's sun_sample if a direction to the sun's disc sees it.
-void PathTracer::sample_sun(const Hit& hit, const Basis& basis, const Vec3& wo,
-                            const DirectionSampler::View& lobes, const SamplePoint& u,
-                            const BeamFrame& toward, Path& path) const {
-    const Vec3 w = scene_.sun.sample(u[kSun1], u[kSun2]);
-    if (w.y < 0 || !sees_sky(hit, w, path)) return;
-    Bounce& bounce = path.vertices.back().sun_sample;
-    bounce.geometry = reflection(hit.n, w, wo);
-    bounce.out = turn_between(bounce.geometry.out, toward);
-    bounce.weight =
-        bounce.geometry.cos_i *
-        light_weight(scene_.sun.pdf(), lobes.pdf(basis.to_local(w)), Lighting::kLightSamples);
-}
-
-void PathTracer::shade(const Path& path, float* S) const {
-    for (std::size_t first = 0; first < stride(); first += kLanes) {
-        Stokes<Lanes> light{Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
-        if (path.vertices.empty())
-            light = turned(sky_light(scene_.sky.dome(), path.sky, first), path.sky_turn);
-        if (path.vertices.empty() && path.sees_sun) light = light + sun_light(scene_.sun, first);
-        for (auto vertex = path.vertices.rbegin(); vertex != path.vertices.rend(); ++vertex) {
-            const Surface& surface = scene_.surface_of(vertex->instance);
-            const bool onward_sky = is_sky(vertex->onward_light.at);
-            if (onward_sky) light = sky_light(scene_.sky, vertex->onward_light.at, first);
-            if (vertex->onward_sun > 0)
-                light = light + real<Lanes>(vertex->onward_sun) * sun_light(scene_.sun, first);
-            light = vertex->onward.weight > 0 ? reflected(surface, first, vertex->onward, light)
-                                              : 0.f * light;
-            if (vertex->sky_sample.weight > 0)
-                light =
-                    light + reflected(surface, first, vertex->sky_sample,
-                                      sky_light(scene_.sky, vertex->sky_sample_light.at, first));
-            if (vertex->sun_sample.weight > 0)
-                light = light +
-                        reflected(surface, first, vertex->sun_sample, sun_light(scene_.sun, first));
+// Directions of light, each with its density by the surfaces' lobes.
+void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
+    const auto block = static_cast<std::uint32_t>(depth - 1);
+    const auto u = points<0, kLobe + 1>(paths.places(at.path, block));
+    const BasisOf<Reals> basis(at.hit.n, at.wo);
+    at.sky = sample_sky(scene_.sky, u[kSky1], u[kSky2]);
+    at.sun = at.hit.n;
+    if (scene_.sun.present()) {
+        const auto v = points<0, 2>(paths.places(at.path, kSunBlocks + block + 1));
+        at.sun = scene_.sun.sample(v[0], v[1]);
+    }
+    const Vec3s wo = basis.to_local(at.wo);
+    const Vec3s sky = basis.to_local(at.sky.w), sun = basis.to_local(at.sun);
+    Vec3s onward(Vec3{0, 0, 1});
+    const Reals zero(0.0);
+    at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = zero;
+    for_each_surface(at.surface, [&](int surface, unsigned lanes) {
+        const DirectionSampler& directions =
+            scene_.surfaces[static_cast<std::size_t>(surface)].directions();
+        if (directions.black()) {
+            at.live &= ~lanes;
+            return;
         }
-        light.s0.store_unaligned(S + first);
-        light.s1.store_unaligned(S + stride() + first);
-        light.s2.store_unaligned(S + 2 * stride() + first);
-        light.s3.store_unaligned(S + 3 * stride() + first);
+        const Mask here = mask_of(lanes);
+        const DirectionSampler::View<Reals> lobes(directions, wo);
+        const Vec3s local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
+        onward = select(here, local, onward);
+        at.sky_by_surface = select(here, lobes.pdf(sky), at.sky_by_surface);
+        at.onward_by_surface = select(here, lobes.pdf(local), at.onward_by_surface);
+        if (scene_.sun.present())
+            at.sun_by_surface = select(here, lobes.pdf(sun), at.sun_by_surface);
+    });
+    // Facets that point it underground reflect none.
+    at.onward_drawn = at.live & bits((onward.z > zero) && (at.onward_by_surface > zero));
+    at.onward = select(mask_of(at.onward_drawn), basis.to_world(onward), at.hit.n);
+}
+
+// The lanes in `wanted` that light from w reaches.
+unsigned PathTracer::sees(const Meeting& at, const Vec3s& w, unsigned wanted, Paths& paths) const {
+    const Reals zero(0.0);
+    wanted &= at.live & bits((dot(w, at.hit.n) > zero) && (dot(w, at.hit.ng) > zero));
+    if (!wanted) return 0;
+    const Rays shadow{at.hit.leave(w), w};
+    paths.count(shadow, wanted, RayKind::kAnyHit);
+    return wanted & ~scene_.accel.occluded(shadow, wanted);
+}
+
+// Light from the directions drawn by the sky's brightness and from the sun.
+void PathTracer::sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const {
+    const Reals zero(0.0);
+    at.sky_seen = sees(at, at.sky.w, bits(at.sky.lights.pdf > zero), paths);
+    vertices.sky_sample_light = at.sky.lights.at;
+    vertices.sky_sample = bounces(
+        at.hit.n, at.sky.w, at.wo, at.toward,
+        light_weight(at.sky.lights.pdf, at.sky_by_surface, Lighting::kLightSamples), at.sky_seen);
+    vertices.sun_sample.weight = zero;
+    if (!scene_.sun.present()) return;
+    const unsigned seen = sees(at, at.sun, bits(at.sun.y >= zero), paths);
+    if (!seen) return;
+    vertices.sun_sample = bounces(
+        at.hit.n, at.sun, at.wo, at.toward,
+        light_weight(Reals(scene_.sun.pdf()), at.sun_by_surface, Lighting::kLightSamples), seen);
+}
+
+// Follows the directions drawn by the surfaces' lobes: to the sky, or to the next vertices.
+void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const {
+    const Reals zero(0.0), one(1.0);
+    const Vec3s& wi = at.onward;
+    // On the last bounce only the sky beyond matters.
+    const bool last = depth == settings_.max_depth;
+    unsigned free = at.onward_drawn & bits(dot(wi, at.hit.ng) > zero);
+    if (last) free &= bits(wi.y >= zero);
+    const Rays rays{at.hit.leave(wi), wi};
+    paths.count(rays, free, last ? RayKind::kAnyHit : RayKind::kFirstHit);
+    std::array<Met, kSide> met;
+    const unsigned blocked = last && free ? scene_.accel.occluded(rays, free) : 0;
+    const unsigned hit = last || !free ? 0 : scene_.accel.intersect(rays, free, met);
+    at.onward_seen = free & ~hit & ~blocked;
+
+    at.onward_lights = locate(scene_.sky, wi, at.onward_drawn);
+    vertices.onward_light = at.onward_lights.at;
+    for (std::size_t i = 0; i < kSide; ++i)
+        if (!(at.onward_seen >> i & 1)) vertices.onward_light[i] = {};
+    Bounces& onward = vertices.onward;
+    const Reals weight =
+        light_weight(at.onward_lights.pdf, at.onward_by_surface, Lighting::kSurfaceSamples);
+    onward = bounces(at.hit.n, wi, at.wo, at.toward, weight, at.onward_seen | hit);
+    const Mask to_surface = mask_of(hit), to_sky = mask_of(at.onward_seen);
+    onward.in.cos2 = select(to_surface, one, onward.in.cos2);
+    onward.in.sin2 = select(to_surface, zero, onward.in.sin2);
+    onward.weight =
+        select(to_surface, onward.geometry.cos_i * inverse(at.onward_by_surface), onward.weight);
+    const Mask to_sun = to_sky && (weight > zero) && scene_.sun.contains(wi);
+    vertices.onward_sun = select(
+        to_sun,
+        light_weight(Reals(scene_.sun.pdf()), at.onward_by_surface, Lighting::kSurfaceSamples) /
+            select(to_sun, weight, one),
+        zero);
+    vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
+}
+
+// What nodes near the first vertices would reflect of the same directions, were nothing in the way.
+OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel_x,
+                             int pixel_y) const {
+    constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
+    OpenSky open;
+    open.surface = at.surface;
+    open.sky_sample_seen = at.sky_seen;
+    open.onward_seen = at.onward_seen;
+    open.sky_sample.weight = open.onward.weight = Reals(0.0);
+    const auto n = stored(at.hit.n), wo = stored(at.wo);
+    std::array<SkyNode, kSide> nodes;
+    std::array<double, kSide> scale;
+    unsigned found = 0;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        open.node[i] = -1;
+        scale[i] = 1;
+        nodes[i].n = n[i], nodes[i].wo = wo[i];
+        if (!(at.live >> i & 1)) continue;
+        const int index = table.find(pixel_x, pixel_y, at.instance[i], n[i]);
+        if (index < 0) continue;
+        const SkyNode& node = table.node(index);
+        const double ratio = node.cos_o / dot(n[i], wo[i]);
+        if (ratio > kFarthest || ratio * kFarthest < 1) continue;
+        open.node[i] = index;
+        scale[i] = ratio;
+        nodes[i] = node;
+        found |= 1u << i;
     }
+    open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
+    if (!found) return open;
+    Meeting node = at;
+    node.live = found;
+    node.hit.n = vectors([&](std::size_t i) { return nodes[i].n; });
+    node.wo = vectors([&](std::size_t i) { return nodes[i].wo; });
+    const auto toward = stored(at.toward.x);
+    node.toward = {node.wo, vectors([&](std::size_t i) {
+                       return open.node[i] < 0 ? toward[i] : nodes[i].toward.x;
+                   })};
+    reflect_open(node, open);
+    return open;
+}
+
+// No light from below a node's plane or the horizon.
+void PathTracer::reflect_open(const Meeting& at, OpenSky& open) const {
+    const Reals zero(0.0);
+    const auto reflected = [&](const Vec3s& w, const Reals& pdf, unsigned drawn) {
+        const unsigned lit =
+            at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero) && (pdf > zero));
+        return bounces(at.hit.n, w, at.wo, at.toward, open.scale * inverse(pdf), lit);
+    };
+    open.sky_sample_light = at.sky.lights.at;
+    open.sky_sample =
+        reflected(at.sky.w, at.sky.lights.pdf + at.sky_by_surface, bits(at.sky.lights.pdf > zero));
+    open.onward_light = at.onward_lights.at;
+    open.onward =
+        reflected(at.onward, at.onward_lights.pdf + at.onward_by_surface, at.onward_drawn);
+}
+
+void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& paths) const {
+    paths.start(sample, 1, 0);
+    for (std::size_t first = 0; first < paths.size(); first += kSide) {
+        const std::size_t used = std::min(kSide, paths.size() - first);
+        Meeting at;
+        for (std::size_t i = 0; i < kSide; ++i)
+            at.path[i] = static_cast<std::uint32_t>(first + (i < used ? i : 0));
+        at.live = kAllLanes >> (kSide - used);
+        at.instance.fill(node.instance);
+        at.surface.fill(scene_.paints[static_cast<std::size_t>(node.instance)]);
+        at.hit.n = at.hit.ng = Vec3s(node.n);
+        at.wo = Vec3s(node.wo);
+        at.toward = {at.wo, Vec3s(node.toward.x)};
+        draw(1, at, paths);
+        at.onward_lights = locate(scene_.sky, at.onward, at.onward_drawn);
+        OpenSky& open = paths.open_.emplace_back();
+        open.node.fill(0);
+        open.surface = at.surface;
+        open.scale = Reals(1.0);
+        open.sky_sample_seen = open.onward_seen = 0;
+        reflect_open(at, open);
+        for (std::size_t i = 0; i < used; ++i)
+            paths.first_vertex_[first + i] = static_cast<int>(first + i);
+    }
+    shade_open(paths);
 }
 
 }  // namespace malus

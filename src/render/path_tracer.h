@@ -1,4 +1,4 @@
-// path_tracer.h — one path of light: traced once, then shaded for all wavelengths.
+// path_tracer.h — paths of light of a pixel: traced side by side, then shaded for all wavelengths.
 //
 //   L_o(wo) = ∫ f(wi,wo) L_i(wi) cosθi dωi,  L_i the sky's light where nothing is hit, else what
 //   the surface met reflects.
@@ -8,44 +8,63 @@
 //         that two of them find is weighed by the balance heuristic (Veach & Guibas 1995):
 //         cosθi / (p_sky + p_surface), cosθi / (p_sun + p_surface). The last direction also leads
 //         on to the next vertex, with weight cosθi / p_surface.
-// Shade   from the far end back: S ← light of sky and sun + M·S, in vector registers over wavelength.
+// Shade   from the far end back: S ← light of sky and sun + M·S.
 //         Turns between frames are two numbers a segment.
+// Side by side  kSide vertices of the same depth fill vector registers, a path a lane; their light, a
+//         path and one of two wavelengths a lane. What a level's directions meet is packed anew for
+//         the next, so that registers stay full though most paths end in the sky.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "malus/core/sampler.h"
+#include "render/points.h"
+#include "render/sky_lights.h"
 #include "render/sky_table.h"
 
 namespace malus {
 
-/// One reflection at a vertex: from the light's frame through the facet to the next frame.
-struct Bounce {
-    Reflection geometry;
-    Turn in, out;
-    double weight = 0;  ///< sr; 0: no light this way
+using Rays = RayOf<Reals>;
+using BeamFrames = BeamFrameOf<Reals>;
+using Turns = TurnOf<Reals>;
+using Reflections = ReflectionOf<Reals>;
+
+/// Reflections at vertices: from the light's frames through the facets to the next frames.
+struct Bounces {
+    Reflections geometry;
+    Turns in, out;
+    Reals weight;  ///< sr; 0: no light this way
 };
 
-/// A surface met by the path.
-struct Vertex {
-    int instance;
-    double distance;    ///< from the previous vertex, m
-    Bounce sky_sample;  ///< direction drawn by the sky's brightness
-    LightLookup sky_sample_light;
-    Bounce sun_sample;         ///< direction to the sun's disc
-    Bounce onward;             ///< direction drawn by the surface's lobes
-    LightLookup onward_light;  ///< where it leads to the sky; weights 0 where it meets a surface
-    double onward_sun = 0;  ///< weight of the sun's light there, in onward.weight; 0 off the disc
+/// Surfaces met by paths, one a lane; lanes beyond the last path repeat the first.
+struct Vertices {
+    std::array<int, kSide> surface;  ///< index into the scene's
+    Bounces sky_sample;              ///< directions drawn by the sky's brightness
+    std::array<SkyLookup, kSide> sky_sample_light;
+    Bounces sun_sample;                         ///< directions to the sun's disc
+    Bounces onward;                             ///< directions drawn by the surfaces' lobes
+    std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
+    Reals onward_sun;             ///< weight of the sun's light there, in onward.weight
+    std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
 };
 
-/// What the first vertex would reflect of an open sky at a node of the sky table.
+/// What first vertices would reflect of an open sky at nodes of the sky table.
 struct OpenSky {
-    int node = -1;     ///< −1: none
-    double scale = 1;  ///< g of sky_table.h, in the weights of the bounces, too
-    Bounce sky_sample, onward;
-    LightLookup sky_sample_light, onward_light;
-    bool sky_sample_seen = false, onward_seen = false;  ///< does the light reach the vertex?
+    std::array<int, kSide> node;     ///< −1: none
+    std::array<int, kSide> surface;  ///< index into the scene's
+    Reals scale;                     ///< g of sky_table.h, in the weights of the bounces, too
+    Bounces sky_sample, onward;
+    std::array<SkyLookup, kSide> sky_sample_light, onward_light;
+    unsigned sky_sample_seen, onward_seen;  ///< lanes whose light reaches the vertex
+};
+
+/// What the detector sees along rays, before any surface.
+struct Views {
+    std::array<SkyLookup, kSide> sky;  ///< of the dome; black where a surface is
+    Turns turn;
+    unsigned sun;                 ///< lanes that see the disc
+    std::array<int, kSide> next;  ///< the first vertex, −1: none
 };
 
 enum class RayKind { kFirstHit, kAnyHit };
@@ -54,20 +73,72 @@ struct TracedRay {
     RayKind kind;
 };
 
-/// What a path needs to be shaded. Reused from path to path.
-struct Path {
-    std::vector<Vertex> vertices;  ///< from the detector on
-    OpenSky open;
-    SkyLookup sky;  ///< what the detector sees directly, if no vertex
-    Turn sky_turn;
-    bool sees_sun = false;                  ///< the sun's disc is there, too
+/// Paths of one pixel, `count` samples of each replicate, and their light. Reused from pixel to pixel.
+class Paths {
+  public:
+    /// To begin with a pixel: the numbers of its replicates.
+    void begin(std::span<const Sampler> samplers);
+
+    std::size_t replicates() const { return samplers_.size(); }
+    std::size_t size() const { return size_; }
+
+    /// What path i met first: index into Scene::instances, −1 for the sky; and how far off, m.
+    int instance(std::size_t i) const { return first_instance_[i]; }
+    double distance(std::size_t i) const { return first_distance_[i]; }
+    /// Stokes vector of path i in the image frame: four rows of one float a wavelength.
+    void light(std::size_t i, std::size_t wavelengths, float* S) const;
+
+    /// The node whose open sky path i has beside its own light, −1: none; its g.
+    int open_node(std::size_t i) const;
+    double open_scale(std::size_t i) const;
+    /// g C of sky_table.h, as light(); in a fifth row S0 of what of it reaches the vertex.
+    void open_light(std::size_t i, std::size_t wavelengths, float* C) const;
+
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
     std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
 
-    void count(const Ray& ray, RayKind kind) {
-        ++rays;
-        if (log) log->push_back({ray, kind});
+  private:
+    friend class PathTracer;
+
+    // A vertex to come.
+    struct Arrival {
+        Vec3 direction, toward_x;  // of the ray; reference axis in which light must leave
+        Met met;
+        std::uint32_t path;
+    };
+    // Vertices of one depth and what leaves them.
+    struct Level {
+        std::vector<Arrival> arrivals;
+        std::vector<Vertices> vertices;
+        std::vector<Lanes> light;  // [vertices][pair of wavelengths][S0..S3]
+    };
+
+    void start(std::uint32_t first, std::uint32_t count, std::size_t depths);
+    Level& level(int depth) { return levels_[static_cast<std::size_t>(depth - 1)]; }
+    std::array<int, kSide> arrive(int depth, unsigned hit,
+                                  const std::array<std::uint32_t, kSide>& path,
+                                  const Vec3s& direction, const Vec3s& toward_x,
+                                  const std::array<Met, kSide>& met);
+    const Scramble* scrambles(std::uint32_t block);
+    PointPlaces places(const std::array<std::uint32_t, kSide>& path, std::uint32_t block);
+    void count(const Rays& traced, unsigned active, RayKind kind);
+    // The light of the registers that vertex `place` of a depth is in, `row` of them a vertex.
+    const Lanes* light_of(int depth, int place, std::size_t row) {
+        return &level(depth).light[static_cast<std::size_t>(place) / kSide * row];
     }
+
+    std::vector<Sampler> samplers_;
+    std::vector<std::uint32_t> blocks_;  // in use with this pixel
+    std::vector<Scramble> scrambles_;    // [of blocks_][replicate]
+    std::uint32_t first_sample_ = 0;
+    std::size_t size_ = 0;
+    std::vector<int> first_vertex_, first_instance_;  // by path, −1: none
+    std::vector<double> first_distance_;
+    std::vector<Views> views_;
+    std::vector<Lanes> view_light_;  // [views][pair of wavelengths][S0..S3]
+    std::vector<Level> levels_;      // [depth − 1]
+    std::vector<OpenSky> open_;      // of the first vertices; empty without a table
+    std::vector<Lanes> open_light_;  // [vertices][pair][S0..S3, seen]
 };
 
 class PathTracer {
@@ -75,34 +146,36 @@ class PathTracer {
     PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
                const RenderSettings& settings);
 
-    /// The path of `sample` through the box of pixel (pixel_x, pixel_y); with a table, what the open
-    /// sky would bring, too.
-    void trace(int pixel_x, int pixel_y, const Sampler& sampler, std::uint32_t sample, Path& path,
+    /// Samples [first, first + count) of each replicate through the box of pixel (pixel_x, pixel_y):
+    /// path (sample − first) · replicates + replicate. With a table, what the open sky would bring,
+    /// too.
+    void trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count, Paths& paths,
                const SkyTable* table = nullptr) const;
-    /// Stokes vectors in the image frame: four rows of stride() floats, wavelength innermost.
-    void shade(const Path& path, float* S) const;
+    /// The light of traced paths.
+    void shade(Paths& paths) const;
 
-    /// A sample of a node's open sky into path.open; no ray.
-    void trace_open(const SkyNode& node, const Sampler& sampler, std::uint32_t sample,
-                    Path& path) const;
-    /// As shade(), of path.open (g C); in a fifth row S0 of what reaches the vertex.
-    void shade_open(const Path& path, const SkyNode& node, float* C) const;
+    /// One sample of each replicate of a node's open sky, as open_light() of paths; no ray.
+    void sample_open(const SkyNode& node, std::uint32_t sample, Paths& paths) const;
 
     /// The surface in the middle of a pixel.
     std::optional<Hit> look(int pixel_x, int pixel_y) const;
-    std::size_t stride() const { return padded(scene_.wavelengths_nm.size()); }
 
   private:
-    const SkyNode* find_open(const SkyTable& table, int pixel_x, int pixel_y, const Hit& hit,
-                             const Vec3& wo, Path& path) const;
-    void sample_sky(const Hit& hit, const Basis& basis, const Vec3& wo,
-                    const DirectionSampler::View& lobes, const SamplePoint& u,
-                    const BeamFrame& toward, const SkyNode* open, Path& path) const;
-    void sample_sun(const Hit& hit, const Basis& basis, const Vec3& wo,
-                    const DirectionSampler::View& lobes, const SamplePoint& u,
-                    const BeamFrame& toward, Path& path) const;
-    bool sees_sky(const Hit& hit, const Vec3& w, Path& path) const;
-    double light_weight(double by_light, double by_surface, Lighting drawn_by) const;
+    struct Meeting;
+    void look_through(int pixel_x, int pixel_y, Paths& paths) const;
+    Meeting meet(int depth, std::size_t first, Paths& paths) const;
+    void draw(int depth, Meeting& at, Paths& paths) const;
+    void sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const;
+    void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;
+    unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Paths& paths) const;
+    void reflect_open(const Meeting& at, OpenSky& open) const;
+    OpenSky open_sky(const Meeting& at, const SkyTable& table, int pixel_x, int pixel_y) const;
+    Reals light_weight(const Reals& by_light, const Reals& by_surface, Lighting drawn_by) const;
+
+    void shade_views(Paths& paths) const;
+    void shade_level(int depth, Paths& paths) const;
+    void shade_open(Paths& paths) const;
+    std::size_t pair_count() const { return pairs(scene_.wavelengths_nm.size()); }
 
     const PreparedScene::Impl& scene_;
     const Camera& camera_;

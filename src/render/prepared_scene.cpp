@@ -17,14 +17,12 @@ std::vector<PriestGermer<double>> rows_at(const Material& material,
     return rows;
 }
 
-// Lanes `first` to first + kLanes of one parameter; lanes beyond the last wavelength repeat it, so
-// that they compute something harmless.
-Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t first,
+// One parameter of a pair of wavelengths; where there is no second, the first stands for it.
+Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t pair,
            double PriestGermer<double>::*parameter) {
-    alignas(64) std::array<float, kLanes> values;
-    for (std::size_t i = 0; i < kLanes; ++i)
-        values[i] = static_cast<float>(rows[std::min(first + i, rows.size() - 1)].*parameter);
-    return Lanes::load_aligned(values.data());
+    return lanewise<Lanes>([&](std::size_t i) {
+        return rows[std::min(2 * pair + i / kSide, rows.size() - 1)].*parameter;
+    });
 }
 
 // Least RMS slope of a paint that reflects by facets; infinity where it does not.
@@ -54,7 +52,7 @@ Surface::Surface(const Material& material, std::span<const double> wavelengths_n
       sharpest_slope_(malus::sharpest_slope(material, wavelengths_nm)) {
     using P = PriestGermer<double>;
     const auto rows = rows_at(material, wavelengths_nm);
-    for (std::size_t i = 0; i < rows.size(); i += kLanes)
+    for (std::size_t i = 0; i < pairs(rows.size()); ++i)
         rows_.push_back({load(rows, i, &P::n), load(rows, i, &P::k), load(rows, i, &P::B),
                          load(rows, i, &P::sigma), load(rows, i, &P::tau),
                          load(rows, i, &P::inv_omega), load(rows, i, &P::rho_d),

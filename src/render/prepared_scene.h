@@ -23,8 +23,8 @@ class Surface {
     const DirectionSampler& directions() const { return directions_; }
     /// Least RMS slope of the wavelengths that reflect by facets; infinity where none does.
     double sharpest_slope() const { return sharpest_slope_; }
-    /// Parameters of the kLanes wavelengths from `first` on.
-    const PriestGermer<Lanes>& lanes(std::size_t first) const { return rows_[first / kLanes]; }
+    /// Parameters at wavelengths 2 pair and 2 pair + 1.
+    const PriestGermer<Lanes>& lanes(std::size_t pair) const { return rows_[pair]; }
 
   private:
     Slopes slopes_;

@@ -28,6 +28,9 @@ constexpr double kLeastOpen = 0.5;
 // Of the light that a pixel's first samples should have met, to believe what they say of its share.
 constexpr double kLeastEvidence = 0.25;
 
+// Samples of each replicate that are traced side by side.
+constexpr std::uint32_t kTogether = 4;
+
 class Clock {
   public:
     double seconds() const {
@@ -40,24 +43,17 @@ class Clock {
 
 // Work of one thread; the counts are merged when all is done.
 struct Worker {
-    // A sample of one replicate.
-    struct Sample {
-        std::vector<float> S, open;  // rows of the tracer's stride; of g C, then of g (T − C)
-        int node = -1, instance = -1;
-        double distance = 0, scale = 1;
-    };
-    Path path;
-    std::vector<Sample> samples;  // one a replicate
+    Paths paths;
     PixelExposure pixel;
     std::vector<Sampler> samplers;  // one a replicate
-    std::uint64_t paths = 0, refused = 0;
+    std::vector<float> S, open;     // of a sample; of g C, and of g (T − C)
+    std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
-    Worker(const PathTracer& tracer, const Exposure& exposure)
-        : samples(exposure.replicates), pixel(exposure) {
-        for (Sample& sample : samples)
-            sample.S.resize(4 * tracer.stride()), sample.open.resize(5 * tracer.stride());
-    }
+    explicit Worker(const Exposure& exposure)
+        : pixel(exposure),
+          S(4 * exposure.wavelengths_nm.size()),
+          open(5 * exposure.wavelengths_nm.size()) {}
 };
 
 // One call of render().
@@ -69,7 +65,7 @@ class Job {
           tracer_(scene.impl(), camera, settings),
           result_(result),
           plan_(settings, result.exposure),
-          workers_([this] { return Worker(tracer_, result_.exposure); }),
+          workers_([this] { return Worker(result_.exposure); }),
           complete_(result.complete()) {
         if (settings.sky_table && settings.lighting == Lighting::kBoth)
             table_.emplace(scene.impl(), camera, settings);
@@ -130,24 +126,23 @@ class Job {
     // Brings the light of the open sky to what the round needs.
     void refine_sky() {
         const std::vector<std::uint32_t> goals = table_->goals(exposure());
-        const std::size_t replicates = exposure().replicates;
-        tbb::parallel_for(std::size_t{0}, goals.size() * replicates, [&](std::size_t i) {
-            const std::size_t node = i / replicates, replicate = i % replicates;
-            if (table_->samples(node, replicate) >= goals[node]) return;
+        const std::size_t wavelengths = exposure().wavelengths_nm.size();
+        tbb::parallel_for(std::size_t{0}, goals.size(), [&](std::size_t node) {
+            if (table_->samples(node) >= goals[node]) return;
             Worker& worker = workers_.local();
-            std::vector<float>& C = worker.samples.front().open;
-            const SkyNode& at = table_->node(static_cast<int>(node));
             // Numbers that no pixel has.
-            const Sampler sampler(settings_.seed, exposure().pixel_count() + node,
-                                  static_cast<std::uint32_t>(replicate), settings_.sampling);
-            while (table_->samples(node, replicate) < goals[node]) {
-                if (table_->samples(node, replicate) % 256 == 0 && (stop_wanted() || time_is_up()))
-                    return;
-                tracer_.trace_open(at, sampler, table_->samples(node, replicate), worker.path);
-                tracer_.shade_open(worker.path, at, C.data());
-                table_->add(node, replicate, C.data());
+            begin(exposure().pixel_count() + node, worker);
+            while (table_->samples(node) < goals[node]) {
+                if (table_->samples(node) % 256 == 0 && (stop_wanted() || time_is_up())) return;
+                tracer_.sample_open(table_->node(static_cast<int>(node)), table_->samples(node),
+                                    worker.paths);
+                for (std::uint32_t r = 0; r < exposure().replicates; ++r) {
+                    worker.paths.open_light(r, wavelengths, worker.open.data());
+                    table_->add(node, r, worker.open.data());
+                }
+                table_->end_sample(node);
             }
-            table_->develop(node, replicate);
+            table_->develop(node);
         });
     }
 
@@ -157,11 +152,11 @@ class Job {
         tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
             if (stop_wanted() || time_is_up()) return;
             Worker& worker = workers_.local();
-            const std::uint64_t before = worker.paths;
+            const std::uint64_t before = worker.samples;
             for_each_pixel(tiles[i], [&](int x, int y, std::size_t index) {
                 expose_pixel(x, y, index, worker);
             });
-            tell_progress(worker.paths - before, total);
+            tell_progress(worker.samples - before, total);
         });
         samples_ += static_cast<double>(round_samples_);
         complete_ = complete_ || result_.complete();
@@ -172,14 +167,16 @@ class Job {
         if (exposure().taken[index] >= wanted) return;
         PixelExposure& pixel = worker.pixel;
         pixel.load(exposure(), index);
-        worker.samplers.clear();
-        for (std::uint32_t r = 0; r < exposure().replicates; ++r)
-            worker.samplers.emplace_back(settings_.seed, index, r, settings_.sampling);
+        begin(index, worker);
         while (pixel.taken() < wanted) {
-            for (std::uint32_t r = 0; r < exposure().replicates; ++r) trace(x, y, r, worker);
+            const std::uint32_t count = samples_together(pixel.taken(), wanted);
+            trace(x, y, count, worker);
             if (pixel.taken() == 0) find_open(worker);
-            for (std::uint32_t r = 0; r < exposure().replicates; ++r) add(x, y, r, worker);
-            pixel.end_sample();
+            for (std::uint32_t s = 0; s < count; ++s) {
+                for (std::uint32_t r = 0; r < exposure().replicates; ++r)
+                    add(x, y, r, s * exposure().replicates + r, worker);
+                pixel.end_sample();
+            }
             const bool keeps = pixel.taken() == checkpoint(pixel.taken());
             if (keeps && (stop_wanted() || time_is_up())) break;
         }
@@ -188,38 +185,54 @@ class Job {
         plan_.measure(result_.film, index);
     }
 
-    // The next sample of a replicate.
-    void trace(int x, int y, std::uint32_t replicate, Worker& worker) {
-        const std::uint32_t s = worker.pixel.taken();
-        Path& path = worker.path;
-        Worker::Sample& sample = worker.samples[replicate];
-        const bool open = table_ && (s == 0 || worker.pixel.is_open(replicate));
-        tracer_.trace(x, y, worker.samplers[replicate], s, path, open ? &*table_ : nullptr);
-        tracer_.shade(path, sample.S.data());
-        sample.node = path.open.node;
-        if (sample.node >= 0) {
-            tracer_.shade_open(path, table_->node(sample.node), sample.open.data());
-            sample.scale = path.open.scale;
-        }
-        sample.instance = path.vertices.empty() ? -1 : path.vertices.front().instance;
-        sample.distance = path.vertices.empty() ? 0 : path.vertices.front().distance;
-        ++worker.paths;
+    // Numbers for a pixel, or what else has some of its own.
+    void begin(std::size_t index, Worker& worker) const {
+        worker.samplers.clear();
+        for (std::uint32_t r = 0; r < result_.exposure.replicates; ++r)
+            worker.samplers.emplace_back(settings_.seed, index, r, settings_.sampling);
+        worker.paths.begin(worker.samplers);
+    }
+
+    // The first sample stands alone: what it meets decides how the others are counted.
+    static std::uint32_t samples_together(std::uint32_t taken, std::uint32_t wanted) {
+        const std::uint32_t next = taken == 0 ? 1 : taken / kTogether * kTogether + kTogether;
+        return std::min(next, wanted) - taken;
+    }
+
+    // The next samples of all replicates.
+    void trace(int x, int y, std::uint32_t count, Worker& worker) {
+        const std::uint32_t first = worker.pixel.taken();
+        const bool open = table_ && (first == 0 || worker.pixel.is_open());
+        tracer_.trace(x, y, first, count, worker.paths, open ? &*table_ : nullptr);
+        tracer_.shade(worker.paths);
+        worker.samples += worker.paths.size();
     }
 
     // How much of the open sky's light reaches the pixel, for each replicate by the others' first
     // samples; none where these met too little of that light to tell.
     void find_open(Worker& worker) {
-        const std::size_t stride = tracer_.stride();
-        for (std::uint32_t r = 0; r < worker.samples.size(); ++r)
-            for (std::size_t w = 0; w < exposure().wavelengths_nm.size(); ++w) {
+        const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
+        struct Light {
+            double whole, seen;
+        };
+        std::vector<Light> light(R * W);
+        for (std::size_t r = 0; r < R; ++r) {
+            if (worker.paths.open_node(r) < 0) continue;
+            worker.paths.open_light(r, W, worker.open.data());
+            for (std::size_t w = 0; w < W; ++w)
+                light[r * W + w] = {static_cast<double>(worker.open[w]),
+                                    static_cast<double>(worker.open[4 * W + w])};
+        }
+        for (std::uint32_t r = 0; r < R; ++r)
+            for (std::size_t w = 0; w < W; ++w) {
                 double whole = 0, seen = 0, expected = 0;
-                for (std::uint32_t other = 0; other < worker.samples.size(); ++other) {
-                    const Worker::Sample& sample = worker.samples[other];
-                    if (other == r || sample.node < 0) continue;
-                    const float* T = table_->mean(static_cast<std::size_t>(sample.node), r);
-                    whole += static_cast<double>(sample.open[w]);
-                    seen += static_cast<double>(sample.open[4 * stride + w]);
-                    expected += sample.scale * static_cast<double>(T[w]);
+                for (std::size_t other = 0; other < R; ++other) {
+                    const int node = worker.paths.open_node(other);
+                    if (other == r || node < 0) continue;
+                    const float* T = table_->mean(static_cast<std::size_t>(node), r);
+                    whole += light[other * W + w].whole;
+                    seen += light[other * W + w].seen;
+                    expected += worker.paths.open_scale(other) * static_cast<double>(T[w]);
                 }
                 const bool known = whole > kLeastEvidence * expected && expected > 0;
                 const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
@@ -227,21 +240,25 @@ class Job {
             }
     }
 
-    void add(int x, int y, std::uint32_t replicate, Worker& worker) {
-        Worker::Sample& sample = worker.samples[replicate];
-        const std::size_t stride = tracer_.stride();
-        if (sample.node >= 0) {
-            const float* T = table_->mean(static_cast<std::size_t>(sample.node), replicate);
-            const auto g = static_cast<float>(sample.scale);
-            for (std::size_t i = 0; i < 4 * stride; ++i) sample.open[i] = g * T[i] - sample.open[i];
+    // Path i to the sums.
+    void add(int x, int y, std::uint32_t replicate, std::size_t i, Worker& worker) {
+        const Paths& paths = worker.paths;
+        const std::size_t W = exposure().wavelengths_nm.size();
+        const int node = paths.open_node(i);
+        paths.light(i, W, worker.S.data());
+        if (node >= 0) {
+            paths.open_light(i, W, worker.open.data());
+            const float* T = table_->mean(static_cast<std::size_t>(node), replicate);
+            const auto g = static_cast<float>(paths.open_scale(i));
+            for (std::size_t k = 0; k < 4 * W; ++k) worker.open[k] = g * T[k] - worker.open[k];
         }
-        if (!worker.pixel.add(replicate, sample.S.data(), stride,
-                              sample.node >= 0 ? sample.open.data() : nullptr))
+        if (!worker.pixel.add(replicate, worker.S.data(), W,
+                              node >= 0 ? worker.open.data() : nullptr))
             refuse({x, y, replicate, worker.pixel.taken()}, worker);
-        if (sample.instance < 0)
+        if (paths.instance(i) < 0)
             worker.pixel.add_sky();
         else
-            worker.pixel.add_surface(sample.instance, sample.distance);
+            worker.pixel.add_surface(paths.instance(i), paths.distance(i));
     }
 
     // Keeps the first in order of pixels, so that what is told does not depend on the threads.
@@ -297,8 +314,8 @@ class Job {
     void end(StoppedBy why) {
         result_.stopped_by = why;
         for (const Worker& worker : workers_) {
-            result_.paths += worker.paths;
-            result_.rays += worker.path.rays;
+            result_.paths += worker.samples;
+            result_.rays += worker.paths.rays;
             result_.refused += worker.refused;
             for (const RefusedSample& sample : worker.first_refused)
                 keep_first(result_.first_refused, sample);

@@ -44,7 +44,7 @@ SkyTable::SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
       picture_(camera, settings.width, settings.height),
       width_(settings.width),
       replicates_(settings.replicates),
-      row_(4 * padded(scene.wavelengths_nm.size())),
+      row_(4 * scene.wavelengths_nm.size()),
       seen_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height),
             -1) {
     const double angle = pixel_angle(camera, settings.height);
@@ -125,7 +125,7 @@ void SkyTable::settle() {
     for (std::size_t i = 0; i < kept; ++i) index_.emplace(keys_[i], static_cast<int>(i));
     sums_.resize(kept * replicates_ * row_);
     means_.resize(kept * replicates_ * row_);
-    samples_.resize(kept * replicates_);
+    samples_.resize(kept);
 }
 
 int SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n) const {
@@ -170,13 +170,12 @@ std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
 void SkyTable::add(std::size_t node, std::size_t replicate, const float* C) {
     double* sums = &sums_[(node * replicates_ + replicate) * row_];
     for (std::size_t i = 0; i < row_; ++i) sums[i] += static_cast<double>(C[i]);
-    ++samples_[node * replicates_ + replicate];
 }
 
-void SkyTable::develop(std::size_t node, std::size_t replicate) {
-    const std::size_t at = node * replicates_ + replicate;
-    for (std::size_t i = at * row_; i < (at + 1) * row_; ++i)
-        means_[i] = static_cast<float>(sums_[i] / samples_[at]);
+void SkyTable::develop(std::size_t node) {
+    const std::size_t numbers = replicates_ * row_;
+    for (std::size_t i = node * numbers; i < (node + 1) * numbers; ++i)
+        means_[i] = static_cast<float>(sums_[i] / samples_[node]);
 }
 
 }  // namespace malus

@@ -50,14 +50,14 @@ class SkyTable {
 
     /// Samples a replicate that T of each node should have, by what its pixels want; never 0.
     std::vector<std::uint32_t> goals(const Exposure& exposure) const;
-    std::uint32_t samples(std::size_t node, std::size_t replicate) const {
-        return samples_[node * replicates_ + replicate];
-    }
-    /// Adds a sample: four rows of `stride` floats.
+    std::uint32_t samples(std::size_t node) const { return samples_[node]; }
+    /// Adds a sample: four rows of one float a wavelength.
     void add(std::size_t node, std::size_t replicate, const float* C);
+    /// After a sample of each replicate.
+    void end_sample(std::size_t node) { ++samples_[node]; }
     /// After samples were added: T is their mean.
-    void develop(std::size_t node, std::size_t replicate);
-    /// T: four rows of `stride` floats, wavelength innermost, in the frame `toward`.
+    void develop(std::size_t node);
+    /// T: four rows of one float a wavelength, in the frame `toward`.
     const float* mean(std::size_t node, std::size_t replicate) const {
         return &means_[(node * replicates_ + replicate) * row_];
     }
@@ -85,9 +85,9 @@ class SkyTable {
     std::vector<SkyNode> nodes_;
     std::vector<Key> keys_;               // of the nodes
     std::vector<int> seen_;               // by pixel: its node
-    std::vector<double> sums_;            // [node][replicate][S0..S3][stride]
+    std::vector<double> sums_;            // [node][replicate][S0..S3][wavelength]
     std::vector<float> means_;            // the same
-    std::vector<std::uint32_t> samples_;  // [node][replicate]
+    std::vector<std::uint32_t> samples_;  // [node], of each replicate
 };
 
 }  // namespace malus

@@ -32,16 +32,6 @@ Picture::Picture(const Camera& camera, int width, int height)
     down_ = (-2 * half / height) * camera.up;
 }
 
-Ray Picture::ray(double px, double py) const {
-    const Vec3 offset = corner_ + px * across_ + py * down_;
-    if (projection_ == Projection::kPerspective) return {position_, normalize(forward_ + offset)};
-    return {position_ + offset, forward_};
-}
-
-BeamFrame image_frame(const Camera& camera, const Vec3& k) {
-    return {k, normalize(camera.right - dot(camera.right, k) * k)};
-}
-
 Camera frame_view(const View& view, const Box& box, int width, int height) {
     Camera camera;
     camera.name = "view";

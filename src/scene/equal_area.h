@@ -11,35 +11,39 @@
 
 #include <algorithm>
 
+#include "malus/core/real.h"
 #include "malus/core/vec.h"
 
 namespace malus {
 
-struct SquarePoint {
-    double x, y;  ///< [0,1]
+template <class R>
+struct SquarePointOf {
+    R x, y;  ///< [0,1]
 };
+using SquarePoint = SquarePointOf<double>;
 
 /// A direction above the horizon by what its solid angle is even in.
-struct DomePoint {
-    double t;        ///< 1 − cos z, [0,1]
-    double azimuth;  ///< rad, [0, 2π)
+template <class R>
+struct DomePointOf {
+    R t;        ///< 1 − cos z, [0,1]
+    R azimuth;  ///< rad, [0, 2π)
 };
+using DomePoint = DomePointOf<double>;
 
-inline SquarePoint to_square(const DomePoint& p) {
-    const double r = std::sqrt(p.t), eighths = p.azimuth * (4 / kPi);
-    const int side = static_cast<int>((eighths + 1) / 2) % 4;  // 0 top, 1 right, …
-    const double turned = eighths - 2 * side;
-    const double along = r * (turned > 1 ? turned - 8 : turned);
-    switch (side) {
-        case 0:
-            return {0.5 * (1 + along), 0.5 * (1 - r)};
-        case 1:
-            return {0.5 * (1 + r), 0.5 * (1 + along)};
-        case 2:
-            return {0.5 * (1 - along), 0.5 * (1 + r)};
-        default:
-            return {0.5 * (1 - r), 0.5 * (1 - along)};
-    }
+template <class R>
+SquarePointOf<R> to_square(const DomePointOf<R>& p) {
+    using std::floor, std::sqrt;
+    const R half = real<R>(0.5), zero = real<R>(0);
+    const R r = sqrt(p.t), eighths = p.azimuth * real<R>(4 / kPi);
+    const R side = floor(half * (eighths + real<R>(1)));  // 0 top, 1 right, 2 bottom, 3 left, 4 top
+    const R along = r * (eighths - (side + side));
+    const R half_side = half * side;
+    const auto across = floor(half_side) < half_side;  // 1 and 3
+    // 1 at top and right, −1 at bottom and left.
+    const auto far = (side > real<R>(1.5)) && (side < real<R>(3.5));
+    const R sign = select(far, real<R>(-1), real<R>(1));
+    const R a = sign * along, b = select(across, sign * r, zero - sign * r);
+    return {half + half * select(across, b, a), half + half * select(across, a, b)};
 }
 
 inline DomePoint from_square(const SquarePoint& p) {

@@ -27,17 +27,6 @@ void add(std::span<float> S, double weight, std::span<const float> other) {
 
 }  // namespace
 
-DomePoint dome_point(const Vec3& w, double first_azimuth) {
-    // 1 − cos z, exact near the zenith, too.
-    const double t = (w.x * w.x + w.z * w.z) / (1 + w.y), azimuth = azimuth_of(w) - first_azimuth;
-    return {std::min(1.0, t), azimuth < 0 ? azimuth + 2 * kPi : azimuth};
-}
-
-Vec3 direction_of(const DomePoint& p, double first_azimuth) {
-    const double a = p.azimuth + first_azimuth, sin_z = std::sqrt(p.t * (2 - p.t));
-    return {sin_z * std::sin(a), 1 - p.t, -sin_z * std::cos(a)};
-}
-
 GridPlace place_on_grid(const SquarePoint& p, std::size_t cells) {
     const double n = static_cast<double>(cells);
     const double x = p.x * n, y = p.y * n;

@@ -16,8 +16,21 @@
 namespace malus {
 
 /// Of a direction above the horizon; azimuths from `first`.
-DomePoint dome_point(const Vec3& w, double first_azimuth);
-Vec3 direction_of(const DomePoint& p, double first_azimuth);
+template <class R>
+DomePointOf<R> dome_point(const Vector3<R>& w, double first_azimuth) {
+    using std::min;
+    // 1 − cos z, exact near the zenith, too.
+    const R t = (w.x * w.x + w.z * w.z) / (real<R>(1) + w.y);
+    const R azimuth = azimuth_of(w) - real<R>(first_azimuth);
+    return {min(real<R>(1), t), select(azimuth < real<R>(0), azimuth + real<R>(2 * kPi), azimuth)};
+}
+template <class R>
+Vector3<R> direction_of(const DomePointOf<R>& p, double first_azimuth) {
+    using std::sqrt;
+    const R one = real<R>(1), sin_z = sqrt(p.t * (one + one - p.t));
+    const CosSin<R> a = cos_sin(p.azimuth + real<R>(first_azimuth));
+    return {sin_z * a.sin, one - p.t, -sin_z * a.cos};
+}
 
 /// Where a point lies on a grid.
 struct GridPlace {

@@ -34,8 +34,7 @@ BeamFrame meridian_frame(const Vec3& w) {
 // along the great circle to w.
 BeamFrame fixed_frame(const Vec3& w) {
     if (w.y < 0) return meridian_frame(w);  // black there; this form ends at the nadir
-    const double q = w.z / (1 + w.y);
-    return {-w, {-w.x * q, -w.z, 1 - w.z * q}};
+    return fixed_frame_above(w);
 }
 
 SkyDome::SkyDome(const Sky& sky, std::span<const double> wavelengths_nm)
@@ -80,7 +79,7 @@ Stokes<double> SkyDome::interpolated(const Sky& sky, std::size_t w, std::size_t 
     if (column.t == 0 || sky.azimuths.size() == 1) return left;
     const double cos_z = std::cos(sky.zeniths[row]);
     const auto carried = [&](const Stokes<double>& S, double away) {
-        return turned(S, {std::cos(2 * away * cos_z), std::sin(2 * away * cos_z)});
+        return turned(S, Turn{std::cos(2 * away * cos_z), std::sin(2 * away * cos_z)});
     };
     return (1 - column.t) * carried(left, column.from_left) +
            column.t * carried(sky.at(w, row, column.right), column.from_right);

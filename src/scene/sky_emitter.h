@@ -47,6 +47,9 @@ class SkyEmitter {
     }
 
     const SkyDome& dome() const { return dome_; }
+    /// The grid that stands for the map; null where the map itself is read.
+    const EqualAreaSky* grid() const { return grid_ ? &*grid_ : nullptr; }
+    const SkyDensity& density() const { return density_; }
     const SkyResampling& resampling() const { return resampling_; }
 
   private:

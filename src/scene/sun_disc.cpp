@@ -5,12 +5,8 @@
 #include <algorithm>
 
 namespace malus {
-namespace {
 
-// Square of the chord between the middle of the disc and its edge on the unit sphere.
-const double kEdge2 = sqr(2 * std::sin(kSunRadius / 2));
-
-}  // namespace
+const double SunDisc::kEdge2 = sqr(2 * std::sin(kSunRadius / 2));
 
 SunDisc::SunDisc(const Sky& sky, std::span<const double> wavelengths_nm)
     : radiance_(wavelengths_nm.size() + SkyDome::kPadding, 0.0f) {
@@ -24,19 +20,6 @@ SunDisc::SunDisc(const Sky& sky, std::span<const double> wavelengths_nm)
         radiance_[i] = static_cast<float>(irradiance / (kPi * sqr(std::sin(kSunRadius))));
     }
     present_ = brightest > 0 && sky.sun->zenith < kPi / 2 + kSunRadius;
-}
-
-bool SunDisc::contains(const Vec3& w) const {
-    const Vec3 chord = w - toward_.n;
-    return present_ && w.y >= 0 && dot(chord, chord) < kEdge2;
-}
-
-// Even in solid angle means even in the square of the chord.
-Vec3 SunDisc::sample(double u1, double u2) const {
-    const double chord2 = kEdge2 * u1, cosine = 1 - chord2 / 2;
-    const double sine = std::sqrt(chord2 * (1 - chord2 / 4));
-    const double turn = 2 * kPi * u2;
-    return toward_.to_world({sine * std::cos(turn), sine * std::sin(turn), cosine});
 }
 
 double SunDisc::pdf() const {

@@ -19,7 +19,7 @@ std::vector<PriestGermer<double>> rows_of(const Material& material) {
 // χ² of directions over the upper hemisphere, in cells of equal solid angle around the specular
 // direction's own frame; one more cell holds what falls below the surface.
 double chi2_of(const DirectionSampler& sampler, const Vec3& wo, unsigned seed) {
-    const DirectionSampler::View view(sampler, wo);
+    const DirectionSampler::View<double> view(sampler, wo);
     constexpr int kZ = 40, kA = 60, kSamples = 300000, kFine = 12;
     std::vector<double> counts(kZ * kA + 1, 0), expected(kZ * kA + 1, 0);
     Uniform u(seed);
@@ -87,7 +87,7 @@ TEST_CASE("Surface sampling: a mirror of σ = 1e-5 is sampled around its specula
     const std::vector<PriestGermer<double>> rows{{1.5, 0.1, 1, 1e-5, 1, 0, 0, 0}};
     const DirectionSampler sampler(rows, Slopes::kGaussian);
     const Vec3 wo = normalize(Vec3{0.6, 0.1, 0.5});
-    const DirectionSampler::View view(sampler, wo);
+    const DirectionSampler::View<double> view(sampler, wo);
     Uniform u(2);
     for (int i = 0; i < 1000; ++i) {
         const Vec3 wi = view.sample(u(), u(), u());

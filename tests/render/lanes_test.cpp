@@ -21,13 +21,16 @@ std::vector<double> wavelengths_of(const Material& paint) {
 
 // Every number of the registers is finite, and the double's to 1e-5.
 void compare(const Material& paint, const Surface& surface, const Vec3& wi, const Vec3& wo) {
-    const Reflection r = reflection({0, 0, 1}, wi, wo);
-    const auto lanes = eval(surface.lanes(0), surface.slopes(), surface.attenuation(), r);
+    const Vec3 n{0, 0, 1};
+    const Reflection r = reflection(n, wi, wo);
+    const ReflectionOf<Reals> side_by_side = reflection(Vec3s(n), Vec3s(wi), Vec3s(wo));
+    const auto geometry = facet_geometry<Lanes>(surface.attenuation(), side_by_side);
     const std::vector<double> wavelengths = wavelengths_of(paint);
-    for (std::size_t w = 0; w < wavelengths.size() && w < kLanes; ++w) {
+    for (std::size_t w = 0; w < wavelengths.size(); ++w) {
+        const auto lanes = eval(surface.lanes(w / 2), surface.slopes(), geometry);
         const auto p = parameters_at(paint, wavelengths[w]);
         const auto f = eval(p, paint.slopes, paint.attenuation, r);
-        const auto lane = [w](const Lanes& x) { return static_cast<double>(x.get(w)); };
+        const auto lane = [w](const Lanes& x) { return static_cast<double>(x.get(w % 2 * kSide)); };
         const double a = lane(lanes.facet.a()), b = lane(lanes.facet.b());
         const double re = lane(lanes.facet.re), im = lane(lanes.facet.im);
         CHECK(std::isfinite(a + b + re + im + lane(lanes.volume)));

@@ -136,7 +136,7 @@ TEST_CASE("Leaving a surface: rays never meet the surface they start from") {
         const double height = std::pow(10.0, -6 * u()), phi = 7 * u();
         const double across = std::sqrt(1 - height * height);
         const Vec3 away = basis.to_world({across * std::cos(phi), across * std::sin(phi), height});
-        const auto next = accel.intersect(Accel::leave(*hit, away), away);
+        const auto next = accel.intersect(hit->leave(away), away);
         wrong += next && next->instance == hit->instance ? 1 : 0;
     }
     CHECK(hits > 15000);

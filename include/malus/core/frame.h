@@ -6,6 +6,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "malus/core/real.h"
 #include "malus/core/vec.h"
 
 namespace malus {
@@ -22,36 +23,54 @@ inline double zenith_of(const Vec3& w) {
     return std::atan2(std::hypot(w.x, w.z), w.y);
 }
 /// Clockwise from north as seen from above, [0, 2π); 0 at the zenith and the nadir.
-inline double azimuth_of(const Vec3& w) {
-    if (w.x == 0 && w.z == 0) return 0;
-    const double a = std::atan2(w.x, -w.z);
+template <class R>
+R azimuth_of(const Vector3<R>& w) {
+    const R zero = real<R>(0), whole = real<R>(2 * kPi);
+    const R a = angle_of(w.x, zero - w.z);  // 0 where both are
     // A tiny negative angle plus 2π rounds to 2π, which is the same azimuth as 0.
-    const double folded = a < 0 ? a + 2 * kPi : a;
-    return folded < 2 * kPi ? folded : 0;
+    const R folded = select(a < zero, a + whole, a);
+    return select(folded < whole, folded, zero);
+}
+inline double azimuth_of(const Vec3& w) {
+    return azimuth_of<double>(w);
 }
 
 /// Some unit vector perpendicular to the unit vector n.
-inline Vec3 any_perpendicular(const Vec3& n) {
-    const Vec3 axis = std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+template <class R>
+Vector3<R> any_perpendicular(const Vector3<R>& n) {
+    using std::abs;
+    const R zero = real<R>(0), one = real<R>(1);
+    const auto across_x = abs(n.x) < real<R>(0.5);
+    const Vector3<R> axis{select(across_x, one, zero), select(across_x, zero, one), zero};
     return normalize(axis - dot(axis, n) * n);
 }
 
-/// Right-handed orthonormal basis with n as its third axis.
-struct Basis {
-    Vec3 s, t, n;
+template <class Mask, class R>
+Vector3<R> select(const Mask& condition, const Vector3<R>& yes, const Vector3<R>& no) {
+    return {select(condition, yes.x, no.x), select(condition, yes.y, no.y),
+            select(condition, yes.z, no.z)};
+}
 
-    explicit Basis(const Vec3& normal)
+/// Right-handed orthonormal basis with n as its third axis.
+template <class R>
+struct BasisOf {
+    Vector3<R> s, t, n;
+
+    explicit BasisOf(const Vector3<R>& normal)
         : s(any_perpendicular(normal)), t(cross(normal, s)), n(normal) {}
     /// With s toward `along` as far as it is across the normal: turns with the scene, where the
     /// other form knows the world's axes.
-    Basis(const Vec3& normal, const Vec3& along) : n(normal) {
-        const Vec3 across = along - dot(along, n) * n;
-        const double norm = length(across);
-        s = norm < 1e-9 ? any_perpendicular(n) : across / norm;
+    BasisOf(const Vector3<R>& normal, const Vector3<R>& along) : n(normal) {
+        const Vector3<R> across = along - dot(along, n) * n;
+        const R norm = length(across);
+        const auto none = norm < real<R>(1e-9);
+        s = across / select(none, real<R>(1), norm);
+        if (any(none)) s = select(none, any_perpendicular(n), s);
         t = cross(n, s);
     }
-    Vec3 to_local(const Vec3& v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
-    Vec3 to_world(const Vec3& v) const { return v.x * s + v.y * t + v.z * n; }
+    Vector3<R> to_local(const Vector3<R>& v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
+    Vector3<R> to_world(const Vector3<R>& v) const { return v.x * s + v.y * t + v.z * n; }
 };
+using Basis = BasisOf<double>;
 
 }  // namespace malus

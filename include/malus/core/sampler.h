@@ -28,11 +28,54 @@ using SamplePoint = std::array<double, kBlockDimensions>;
 /// The unscrambled Sobol' point `index` in the dimensions of block 0 or 1: 32-bit fractions.
 std::array<std::uint32_t, kBlockDimensions> sobol(std::uint32_t index, std::uint32_t block);
 
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+    x = (x >> 16) | (x << 16);
+    x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+    x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+    x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+    return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+}
+
+/// A random permutation of 32-bit numbers in which each bit is flipped by a function of the bits
+/// below it only (Laine & Karras): on bit-reversed numbers it is an Owen scramble. Every step, an
+/// addition or a multiplication by an odd or even-plus-xor factor, carries upward only. The
+/// multipliers are Vegdahl's, found by measuring how well each bit avalanches.
+constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
+    return reverse_bits(laine_karras(reverse_bits(x), seed));
+}
+
+/// The number in (0,1) that 32 bits stand for.
+constexpr double fraction(std::uint32_t bits) {
+    return (bits + 0.5) * 0x1p-32;
+}
+
 /// A well-mixed 64-bit function of two 64-bit numbers.
 std::uint64_t hash(std::uint64_t a, std::uint64_t b);
 
 /// Which numbers: Owen-scrambled Sobol' points, or independent ones, each a hash of its place.
 enum class Sampling { kSobol, kIndependent };
+
+/// What makes one block of a replicate's points its own; good for any number of points.
+struct Scramble {
+    Sampling sampling = Sampling::kSobol;
+    std::uint32_t block = 0;  ///< of sobol()
+    std::uint64_t key = 0;
+    bool shuffled = false;  ///< is the order of the points shuffled?
+    std::array<std::uint32_t, kBlockDimensions> seeds{};
+
+    /// Index of point `sample` in the Sobol' sequence.
+    std::uint32_t index(std::uint32_t sample) const;
+    SamplePoint point(std::uint32_t sample) const;
+};
 
 /// The numbers of replicate `replicate` of pixel `pixel`.
 class Sampler {
@@ -41,8 +84,11 @@ class Sampler {
             Sampling sampling = Sampling::kSobol)
         : key_(hash(hash(seed, pixel), replicate)), sampling_(sampling) {}
 
+    Scramble scramble(std::uint32_t block) const;
     /// Point `sample` of block `block`.
-    SamplePoint point(std::uint32_t sample, std::uint32_t block) const;
+    SamplePoint point(std::uint32_t sample, std::uint32_t block) const {
+        return scramble(block).point(sample);
+    }
 
   private:
     std::uint64_t key_;

@@ -35,60 +35,80 @@ struct PriestGermer {
     T rho_d, rho_v;    ///< sr⁻¹
 };
 
-/// The geometry of one reflection, shared by all wavelengths.
-struct Reflection {
-    double cos_i, cos_o;      ///< wi·n, wo·n
-    double theta, cos_theta;  ///< tilt of the facet, rad
-    double tan2_theta;        ///< tan²θ, exact also for small tilts
-    double beta, cos_beta;    ///< incidence on the facet, rad
-    BeamFrame in, out;        ///< the facet's own frame on the two beams
+/// The geometry of one reflection, shared by all wavelengths (R: double, or a path a lane).
+template <class R>
+struct ReflectionOf {
+    R cos_i, cos_o;          ///< wi·n, wo·n
+    R theta, cos_theta;      ///< tilt of the facet, rad
+    R tan2_theta;            ///< tan²θ, exact also for small tilts
+    R beta, cos_beta;        ///< incidence on the facet, rad
+    BeamFrameOf<R> in, out;  ///< the facet's own frame on the two beams
 };
+using Reflection = ReflectionOf<double>;
 
 /// Needs unit vectors with wi·n > 0 and wo·n > 0.
-inline Reflection reflection(const Vec3& n, const Vec3& wi, const Vec3& wo) {
-    const Vec3 sum = wi + wo, difference = wi - wo;
-    const double along = dot(n, sum), across = length(cross(n, sum));
-    const double sum_length = length(sum);
+template <class R>
+ReflectionOf<R> reflection(const Vector3<R>& n, const Vector3<R>& wi, const Vector3<R>& wo) {
+    const Vector3<R> sum = wi + wo, difference = wi - wo;
+    const R along = dot(n, sum), across = length(cross(n, sum));
+    const R sum_length = length(sum);
     // s = unit(k_in × k_out) up to sign. Near retro-reflection |rs|² − |rp|² is of order β²: under
     // 1e-7 any axis gives the same matrix to double precision.
-    const Vec3 s = cross(wi, wo);
-    const double s_length = length(s);
-    const Vec3 axis = s_length > 1e-7 ? s / s_length : any_perpendicular(wo);
-    return {dot(n, wi),         dot(n, wo),          std::atan2(across, along),
-            along / sum_length, sqr(across / along), std::atan2(length(difference), sum_length),
-            0.5 * sum_length,   {-wi, axis},         {wo, axis}};
+    const Vector3<R> s = cross(wi, wo);
+    const R s_length = length(s);
+    const auto retro = s_length <= real<R>(1e-7);
+    Vector3<R> axis = s / select(retro, real<R>(1), s_length);
+    if (any(retro)) axis = select(retro, any_perpendicular(wo), axis);
+    return {dot(n, wi),
+            dot(n, wo),
+            angle_of(across, along),
+            along / sum_length,
+            sqr(across / along),
+            angle_of(length(difference), sum_length),
+            real<R>(0.5) * sum_length,
+            {-wi, axis},
+            {wo, axis}};
 }
 
 /// P(θ): facets per solid angle around the tilt θ, times B.
 template <class T>
-T slope_distribution(Slopes slopes, const T& B, const T& sigma, double cos_theta,
-                     double tan2_theta) {
-    const T s2 = sigma * sigma, tan2 = real<T>(tan2_theta);
-    if (slopes == Slopes::kCauchy) return B / (real<T>(cos_theta) * (s2 + tan2));
+T slope_distribution(Slopes slopes, const T& B, const T& sigma,
+                     const std::type_identity_t<T>& cos_theta,
+                     const std::type_identity_t<T>& tan2_theta) {
+    using std::max;
+    const T s2 = sigma * sigma;
+    if (slopes == Slopes::kCauchy) return B / (cos_theta * (s2 + tan2_theta));
     // The floor keeps 0/0 away where the exponential has long been 0.
-    const double cos3 = std::max(cos_theta * cos_theta * cos_theta, 1e-30);
+    const T cos3 = max(cos_theta * cos_theta * cos_theta, real<T>(1e-30));
     const T two_s2 = real<T>(2) * s2;
-    return B * decay(-tan2 / two_s2) / (real<T>(kPi * cos3) * two_s2);
+    return B * decay(-tan2_theta / two_s2) / (real<T>(kPi) * cos3 * two_s2);
 }
 
 /// SO(θ,β) of Priest and Germer.
 template <class T>
-T shadowing(const T& tau, const T& inv_omega, double theta, double beta) {
-    const T x = real<T>(theta) * inv_omega;
-    return (real<T>(1) + x * decay(real<T>(-2 * beta) / tau)) / (real<T>(1) + x);
+T shadowing(const T& tau, const T& inv_omega, const std::type_identity_t<T>& theta,
+            const std::type_identity_t<T>& beta) {
+    const T x = theta * inv_omega;
+    return (real<T>(1) + x * decay(real<T>(-2) * beta / tau)) / (real<T>(1) + x);
 }
 
 /// G of Torrance and Sparrow; keeps the energy of the facets ≤ 1.
-inline double torrance_sparrow(const Reflection& r) {
-    const double c = 2 * r.cos_theta / r.cos_beta;
-    return std::min({1.0, c * r.cos_i, c * r.cos_o});
+template <class R>
+R torrance_sparrow(const ReflectionOf<R>& r) {
+    using std::min;
+    const R c = real<R>(2) * r.cos_theta / r.cos_beta;
+    return min(real<R>(1), min(c * r.cos_i, c * r.cos_o));
 }
 
-/// f_vol, never negative.
+/// f_vol, never negative; `spread` is 2/(cosθi + cosθo).
 template <class T>
-T volume(const T& rho_d, const T& rho_v, double cos_i, double cos_o) {
+T volume(const T& rho_d, const T& rho_v, const T& spread) {
     using std::max;
-    return max(real<T>(0), rho_d + rho_v * real<T>(2 / (cos_i + cos_o)));
+    return max(real<T>(0), rho_d + rho_v * spread);
+}
+template <class T>
+T volume(const T& rho_d, const T& rho_v, const T& cos_i, const T& cos_o) {
+    return volume(rho_d, rho_v, real<T>(2) / (cos_i + cos_o));
 }
 
 /// The Mueller BRDF in the facet's frame: a facet matrix plus fully depolarized volume light.
@@ -104,16 +124,36 @@ struct BrdfMueller {
     }
 };
 
+/// What eval() needs of a reflection.
+template <class T>
+struct FacetGeometry {
+    T theta, cos_theta, tan2_theta, beta, cos_beta;
+    T share;   ///< G/(4 cosθi cosθo)
+    T spread;  ///< 2/(cosθi + cosθo)
+};
+template <class T, class R>
+FacetGeometry<T> facet_geometry(Attenuation attenuation, const ReflectionOf<R>& r) {
+    const R G = attenuation == Attenuation::kTorranceSparrow ? torrance_sparrow(r) : real<R>(1);
+    return {real<T>(r.theta),
+            real<T>(r.cos_theta),
+            real<T>(r.tan2_theta),
+            real<T>(r.beta),
+            real<T>(r.cos_beta),
+            real<T>(G / (real<R>(4) * r.cos_i * r.cos_o)),
+            real<T>(real<R>(2) / (r.cos_i + r.cos_o))};
+}
+
 /// f in sr⁻¹, for light that comes along r.in and leaves along r.out.
 template <class T>
+BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, const FacetGeometry<T>& g) {
+    const T P = slope_distribution(slopes, p.B, p.sigma, g.cos_theta, g.tan2_theta);
+    const T SO = shadowing(p.tau, p.inv_omega, g.theta, g.beta);
+    return {P * SO * g.share * fresnel(p.n, p.k, g.cos_beta), volume(p.rho_d, p.rho_v, g.spread)};
+}
+template <class T, class R>
 BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, Attenuation attenuation,
-                    const Reflection& r) {
-    const double G = attenuation == Attenuation::kTorranceSparrow ? torrance_sparrow(r) : 1.0;
-    const T P = slope_distribution(slopes, p.B, p.sigma, r.cos_theta, r.tan2_theta);
-    const T SO = shadowing(p.tau, p.inv_omega, r.theta, r.beta);
-    const T strength = P * SO * real<T>(G / (4 * r.cos_i * r.cos_o));
-    return {strength * fresnel(p.n, p.k, real<T>(r.cos_beta)),
-            volume(p.rho_d, p.rho_v, r.cos_i, r.cos_o)};
+                    const ReflectionOf<R>& r) {
+    return eval(p, slopes, facet_geometry<T>(attenuation, r));
 }
 
 }  // namespace malus

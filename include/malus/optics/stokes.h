@@ -13,8 +13,8 @@
 #pragma once
 
 #include "malus/core/contract.h"
+#include "malus/core/real.h"
 #include "malus/core/vec.h"
-#include "malus/optics/real.h"
 
 namespace malus {
 
@@ -31,26 +31,31 @@ struct Stokes {
 };
 
 /// The frame of a beam: propagation direction and reference axis, both unit, perpendicular.
-struct BeamFrame {
-    Vec3 k, x;
-    Vec3 y() const { return cross(k, x); }
+template <class R>
+struct BeamFrameOf {
+    Vector3<R> k, x;
+    Vector3<R> y() const { return cross(k, x); }
 };
+using BeamFrame = BeamFrameOf<double>;
 
 /// A turn of the reference axis by α from x toward y, kept as what Stokes vectors need of it.
-struct Turn {
-    double cos2 = 1, sin2 = 0;  ///< cos 2α, sin 2α
+template <class R>
+struct TurnOf {
+    R cos2 = 1, sin2 = 0;  ///< cos 2α, sin 2α
 };
+using Turn = TurnOf<double>;
 
 /// The turn from one frame of a beam to another frame of the same beam.
-inline Turn turn_between(const BeamFrame& from, const BeamFrame& to) {
-    EXPECT(length(from.k - to.k) < 1e-6);
-    const double c = dot(to.x, from.x), s = dot(to.x, from.y());
-    const double norm = c * c + s * s;  // 1 but for rounding
-    return {(c * c - s * s) / norm, 2 * c * s / norm};
+template <class R>
+TurnOf<R> turn_between(const BeamFrameOf<R>& from, const BeamFrameOf<R>& to) {
+    EXPECT(!any(length(from.k - to.k) >= real<R>(1e-6)));
+    const R c = dot(to.x, from.x), s = dot(to.x, from.y());
+    const R inverse = real<R>(1) / (c * c + s * s);  // 1 but for rounding
+    return {(c * c - s * s) * inverse, (c + c) * s * inverse};
 }
 
-template <class T>
-Stokes<T> turned(const Stokes<T>& S, const Turn& turn) {
+template <class T, class R>
+Stokes<T> turned(const Stokes<T>& S, const TurnOf<R>& turn) {
     const T c = real<T>(turn.cos2), s = real<T>(turn.sin2);
     return {S.s0, S.s1 * c + S.s2 * s, S.s2 * c - S.s1 * s, S.s3};
 }

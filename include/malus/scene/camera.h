@@ -26,9 +26,11 @@ struct Camera {
     double xmag = 1, ymag = 1;       ///< m, half the width and height seen; orthographic only
 };
 
-struct Ray {
-    Vec3 origin, direction;
+template <class R>
+struct RayOf {
+    Vector3<R> origin, direction;
 };
+using Ray = RayOf<double>;
 
 /// A camera's picture of width × height pixels. Pixels are square: a perspective camera keeps its
 /// vertical field of view, an orthographic one shows at least xmag × ymag.
@@ -36,7 +38,14 @@ class Picture {
   public:
     Picture(const Camera& camera, int width, int height);
     /// The ray into the scene through picture point (px, py).
-    Ray ray(double px, double py) const;
+    template <class R = double>
+    RayOf<R> ray(const std::type_identity_t<R>& px, const std::type_identity_t<R>& py) const {
+        using V = Vector3<R>;
+        const V offset = V(corner_) + px * V(across_) + py * V(down_);
+        if (projection_ == Projection::kPerspective)
+            return {V(position_), normalize(V(forward_) + offset)};
+        return {V(position_) + offset, V(forward_)};
+    }
 
   private:
     Projection projection_;
@@ -45,7 +54,11 @@ class Picture {
 };
 
 /// The image frame of the beam that reaches the detector along k (out of the scene).
-BeamFrame image_frame(const Camera& camera, const Vec3& k);
+template <class R>
+BeamFrameOf<R> image_frame(const Camera& camera, const Vector3<R>& k) {
+    const Vector3<R> right(camera.right);
+    return {k, normalize(right - dot(right, k) * k)};
+}
 
 /// A view from a direction: where the detector stands as seen from the target.
 struct View {

@@ -52,6 +52,13 @@ BeamFrame meridian_frame(const Vec3& w);
 
 /// The frame of the light from w that does not spin: the meridian frame turned back by the azimuth.
 BeamFrame fixed_frame(const Vec3& w);
+/// The same for w.y ≥ 0; below the horizon, where no light is, it is no frame.
+template <class R>
+BeamFrameOf<R> fixed_frame_above(const Vector3<R>& w) {
+    using std::max;
+    const R one = real<R>(1), q = w.z / max(one + w.y, real<R>(1e-9));  // finite below, too
+    return {-w, {-w.x * q, -w.z, one - w.z * q}};
+}
 
 /// Where a direction lies between the nodes of a SkyDome.
 struct SkyLookup {

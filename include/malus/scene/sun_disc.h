@@ -29,9 +29,14 @@ class SunDisc {
     /// Is there a sun, of which some may stand above the horizon?
     bool present() const { return present_; }
     /// Does w lead to the disc, above the horizon?
-    bool contains(const Vec3& w) const;
+    template <class R>
+    auto contains(const Vector3<R>& w) const {
+        const Vector3<R> chord = w - Vector3<R>(toward_.n);
+        return w.y >= real<R>(0) && dot(chord, chord) < real<R>(present_ ? kEdge2 : 0.0);
+    }
     /// A direction to the disc from two numbers in (0,1); it may lie below the horizon.
-    Vec3 sample(double u1, double u2) const;
+    template <class R>
+    Vector3<R> sample(const R& u1, const R& u2) const;
     /// Density of sample() all over the disc, sr⁻¹.
     double pdf() const;
     /// S0, one float a wavelength; may be read up to SkyDome::kPadding floats beyond its end.
@@ -41,6 +46,19 @@ class SunDisc {
     bool present_ = false;
     Basis toward_{Vec3{0, 1, 0}};  // its n: the middle of the disc
     std::vector<float> radiance_;
+    static const double kEdge2;  // square of the chord from the disc's middle to its edge
 };
+
+// Even in solid angle means even in the square of the chord.
+template <class R>
+Vector3<R> SunDisc::sample(const R& u1, const R& u2) const {
+    using std::sqrt;
+    const R one = real<R>(1), chord2 = real<R>(kEdge2) * u1;
+    const R cosine = one - real<R>(0.5) * chord2;
+    const R sine = sqrt(chord2 * (one - real<R>(0.25) * chord2));
+    const CosSin<R> turn = cos_sin(real<R>(2 * kPi) * u2);
+    return sine * turn.cos * Vector3<R>(toward_.s) + sine * turn.sin * Vector3<R>(toward_.t) +
+           cosine * Vector3<R>(toward_.n);
+}
 
 }  // namespace malus

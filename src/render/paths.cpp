@@ -1,0 +1,113 @@
+// paths.cpp — the workspace of paths.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/path_tracer.h"
+
+#include <algorithm>
+
+namespace malus {
+
+void Paths::begin(std::span<const Sampler> samplers) {
+    samplers_.assign(samplers.begin(), samplers.end());
+    scrambles_.clear();
+    blocks_.clear();
+}
+
+void Paths::start(std::uint32_t first, std::uint32_t count, std::size_t depths) {
+    first_sample_ = first;
+    size_ = count * replicates();
+    first_vertex_.assign(size_, -1);
+    first_instance_.assign(size_, -1);
+    first_distance_.assign(size_, 0);
+    views_.clear();
+    open_.clear();
+    levels_.resize(depths);
+    for (Level& level : levels_) level.arrivals.clear(), level.vertices.clear();
+}
+
+// Lanes in `hit` go on at another depth; the places of their vertices, −1 for the others.
+std::array<int, kSide> Paths::arrive(int depth, unsigned hit,
+                                     const std::array<std::uint32_t, kSide>& path,
+                                     const Vec3s& direction, const Vec3s& toward_x,
+                                     const std::array<Met, kSide>& met) {
+    std::array<int, kSide> place;
+    place.fill(-1);
+    if (!hit) return place;
+    std::vector<Arrival>& arrivals = level(depth).arrivals;
+    const auto x = stored(direction.x), y = stored(direction.y), z = stored(direction.z);
+    const auto tx = stored(toward_x.x), ty = stored(toward_x.y), tz = stored(toward_x.z);
+    for (std::size_t i = 0; i < kSide; ++i) {
+        if (!(hit >> i & 1)) continue;
+        place[i] = static_cast<int>(arrivals.size());
+        arrivals.push_back({{x[i], y[i], z[i]}, {tx[i], ty[i], tz[i]}, met[i], path[i]});
+    }
+    return place;
+}
+
+// The scrambles of a block, one a replicate.
+const Scramble* Paths::scrambles(std::uint32_t block) {
+    const auto known = std::find(blocks_.begin(), blocks_.end(), block);
+    const auto at = static_cast<std::size_t>(known - blocks_.begin());
+    if (known == blocks_.end()) {
+        blocks_.push_back(block);
+        for (const Sampler& sampler : samplers_) scrambles_.push_back(sampler.scramble(block));
+    }
+    return &scrambles_[at * replicates()];
+}
+
+PointPlaces Paths::places(const std::array<std::uint32_t, kSide>& path, std::uint32_t block) {
+    const Scramble* own = scrambles(block);
+    const auto R = static_cast<std::uint32_t>(replicates());
+    PointPlaces places;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        places.scramble[i] = own + path[i] % R;
+        places.sample[i] = first_sample_ + path[i] / R;
+    }
+    return places;
+}
+
+void Paths::count(const Rays& traced, unsigned active, RayKind kind) {
+    rays += static_cast<std::uint64_t>(std::popcount(active));
+    if (!log) return;
+    const auto x = stored(traced.origin.x), y = stored(traced.origin.y),
+               z = stored(traced.origin.z);
+    const auto dx = stored(traced.direction.x), dy = stored(traced.direction.y),
+               dz = stored(traced.direction.z);
+    for (std::size_t i = 0; i < kSide; ++i)
+        if (active >> i & 1) log->push_back({{{x[i], y[i], z[i]}, {dx[i], dy[i], dz[i]}}, kind});
+}
+
+namespace {
+
+// Rows S0, S1 … of one lane.
+void copy(const Lanes* registers, std::size_t rows, std::size_t lane, std::size_t wavelengths,
+          float* to) {
+    const auto* numbers = reinterpret_cast<const float*>(registers);
+    for (std::size_t c = 0; c < rows; ++c)
+        for (std::size_t w = 0; w < wavelengths; ++w)
+            to[c * wavelengths + w] =
+                numbers[(w / 2 * rows + c) * Lanes::size + w % 2 * kSide + lane];
+}
+
+}  // namespace
+
+void Paths::light(std::size_t i, std::size_t wavelengths, float* S) const {
+    copy(&view_light_[i / kSide * 4 * pairs(wavelengths)], 4, i % kSide, wavelengths, S);
+}
+
+void Paths::open_light(std::size_t i, std::size_t wavelengths, float* C) const {
+    const auto place = static_cast<std::size_t>(first_vertex_[i]);
+    copy(&open_light_[place / kSide * 5 * pairs(wavelengths)], 5, place % kSide, wavelengths, C);
+}
+
+int Paths::open_node(std::size_t i) const {
+    if (open_.empty() || first_vertex_[i] < 0) return -1;
+    const auto place = static_cast<std::size_t>(first_vertex_[i]);
+    return open_[place / kSide].node[place % kSide];
+}
+
+double Paths::open_scale(std::size_t i) const {
+    const auto place = static_cast<std::size_t>(first_vertex_[i]);
+    return lane(open_[place / kSide].scale, place % kSide);
+}
+
+}  // namespace malus

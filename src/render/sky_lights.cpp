@@ -1,0 +1,61 @@
+// sky_lights.cpp — mathematics in registers, tables lane by lane.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/sky_lights.h"
+
+namespace malus {
+namespace {
+
+// The grid's nodes around points of the dome.
+void look_up(const EqualAreaSky& grid, const DomePointOf<Reals>& p, unsigned wanted,
+             std::array<SkyLookup, kSide>& at) {
+    const SquarePointOf<Reals> square = to_square(p);
+    const auto x = stored(square.x), y = stored(square.y);
+    for (std::size_t i = 0; i < kSide; ++i)
+        at[i] =
+            wanted >> i & 1 ? grid.lookup(place_on_grid({x[i], y[i]}, grid.cells())) : SkyLookup{};
+}
+
+}  // namespace
+
+SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted) {
+    const auto above = w.y >= Reals(0.0);
+    wanted &= bits(above);
+    const Vec3s up = select(above, w, Vec3s(Vec3{0, 1, 0}));
+    const DomePointOf<Reals> p = dome_point(up, sky.dome().first_azimuth());
+    SkyLights lights;
+    if (sky.grid()) {
+        look_up(*sky.grid(), p, wanted, lights.at);
+    } else {
+        const auto x = stored(up.x), y = stored(up.y), z = stored(up.z);
+        for (std::size_t i = 0; i < kSide; ++i)
+            lights.at[i] = wanted >> i & 1 ? sky.dome().locate({x[i], y[i], z[i]}) : SkyLookup{};
+    }
+    const auto t = stored(p.t), azimuth = stored(p.azimuth);
+    lights.pdf = lanewise<Reals>([&](std::size_t i) {
+        return wanted >> i & 1 ? sky.density().pdf({t[i], azimuth[i]}) : 0;
+    });
+    return lights;
+}
+
+SkySamples sample_sky(const SkyEmitter& sky, const Reals& u1, const Reals& u2) {
+    SkySamples samples;
+    if (sky.density().dark()) return {Vec3s(Vec3{0, 1, 0}), {{}, Reals(0.0)}};
+    const auto a = stored(u1), b = stored(u2);
+    std::array<SkyDensity::Draw, kSide> draws;
+    for (std::size_t i = 0; i < kSide; ++i) draws[i] = sky.density().draw(a[i], b[i]);
+    const DomePointOf<Reals> p{
+        lanewise<Reals>([&](std::size_t i) { return draws[i].point.t; }),
+        lanewise<Reals>([&](std::size_t i) { return draws[i].point.azimuth; })};
+    samples.w = direction_of(p, sky.dome().first_azimuth());
+    samples.lights.pdf = lanewise<Reals>([&](std::size_t i) { return draws[i].pdf; });
+    if (sky.grid()) {
+        look_up(*sky.grid(), p, kAllLanes, samples.lights.at);
+    } else {
+        const auto x = stored(samples.w.x), y = stored(samples.w.y), z = stored(samples.w.z);
+        for (std::size_t i = 0; i < kSide; ++i)
+            samples.lights.at[i] = sky.dome().locate({x[i], y[i], z[i]});
+    }
+    return samples;
+}
+
+}  // namespace malus
