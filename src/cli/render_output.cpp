@@ -38,8 +38,7 @@ RenderResult middle_rows(const RenderResult& whole, int rows) {
     part.film.instance = rows_of(f.instance, first, count, width);
     part.film.samples = rows_of(f.samples, first, count, width);
     part.exposure = Exposure(f.width, rows, f.wavelengths_nm, e.replicates);
-    part.exposure.stokes =
-        rows_of(e.stokes, first, count, width * e.replicates * e.replicate_stride());
+    part.exposure.stokes = rows_of(e.stokes, first, count, width * e.pixel_stride());
     return part;
 }
 

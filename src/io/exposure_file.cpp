@@ -109,7 +109,8 @@ Exposure exposure_of(const Image& image) {
                 for (std::size_t i = 0; i < data.size(); ++i) {
                     if (!std::isfinite(data[i]))
                         throw Error("channel '" + name + "' is not finite");
-                    e.stokes[((i * e.replicates + r) * 4 + c) * wavelengths + w] = data[i];
+                    e.stokes[i * e.pixel_stride() + (c * wavelengths + w) * e.replicates + r] =
+                        data[i];
                 }
             }
     return e;
@@ -156,8 +157,7 @@ void write_exposure(const std::filesystem::path& path, const Exposure& e) {
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t w = 0; w < wavelengths; ++w)
                 image.borrowed[sum_channel(r, c, e.wavelengths_nm[w])] = {
-                    e.stokes.data() + (r * 4 + c) * wavelengths + w,
-                    e.replicates * e.replicate_stride()};
+                    e.stokes.data() + (c * wavelengths + w) * e.replicates + r, e.pixel_stride()};
     }
     write_exr(path, image, Compression::kNone);
 }

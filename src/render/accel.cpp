@@ -94,9 +94,24 @@ class FloatRays {
     void fill(RTCRay& ray, std::size_t i) const {
         fill_ray(ray, Vec3f(origin(i)), Vec3f(direction(i)));
     }
+    // A packet of those in `active`; −1 where one is to be followed.
+    template <class Packet>
+    std::array<int, kSide> fill(Packet& packet, unsigned active) const {
+        std::array<int, kSide> valid;
+        for (std::size_t i = 0; i < kSide; ++i) {
+            valid[i] = (active >> i & 1) && finite(i) ? -1 : 0;
+            RTCRay ray;
+            fill(ray, i);
+            packet.org_x[i] = ray.org_x, packet.org_y[i] = ray.org_y, packet.org_z[i] = ray.org_z;
+            packet.dir_x[i] = ray.dir_x, packet.dir_y[i] = ray.dir_y, packet.dir_z[i] = ray.dir_z;
+            packet.tnear[i] = ray.tnear, packet.tfar[i] = ray.tfar, packet.time[i] = ray.time;
+            packet.mask[i] = ray.mask, packet.id[i] = ray.id, packet.flags[i] = ray.flags;
+        }
+        return valid;
+    }
 
   private:
-    std::array<double, kSide> x_, y_, z_, dx_, dy_, dz_;
+    alignas(64) std::array<double, kSide> x_, y_, z_, dx_, dy_, dz_;
 };
 
 #if RTC_VERSION_MAJOR >= 4
@@ -118,6 +133,33 @@ void embree_occluded(RTCScene scene, RTCRay& ray) {
     rtcOccluded1(scene, &context, &ray);
 }
 #endif
+
+// The same for as many rays as are side by side; −1 in `valid` for each to be followed.
+template <class Rays>
+void follow_packet(RTCScene scene, const int* valid, Rays& rays) {
+    constexpr bool kHits = std::is_same_v<Rays, RTCRayHit8> || std::is_same_v<Rays, RTCRayHit4>;
+    constexpr bool kEight = std::is_same_v<Rays, RTCRayHit8> || std::is_same_v<Rays, RTCRay8>;
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments with_hits;
+    rtcInitIntersectArguments(&with_hits);
+    with_hits.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    RTCOccludedArguments without;
+    rtcInitOccludedArguments(&without);
+    without.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    if constexpr (kHits && kEight) rtcIntersect8(valid, scene, &rays, &with_hits);
+    if constexpr (kHits && !kEight) rtcIntersect4(valid, scene, &rays, &with_hits);
+    if constexpr (!kHits && kEight) rtcOccluded8(valid, scene, &rays, &without);
+    if constexpr (!kHits && !kEight) rtcOccluded4(valid, scene, &rays, &without);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if constexpr (kHits && kEight) rtcIntersect8(valid, scene, &context, &rays);
+    if constexpr (kHits && !kEight) rtcIntersect4(valid, scene, &context, &rays);
+    if constexpr (!kHits && kEight) rtcOccluded8(valid, scene, &context, &rays);
+    if constexpr (!kHits && !kEight) rtcOccluded4(valid, scene, &context, &rays);
+#endif
+}
 
 // How far a ray starts off its surface, in units of the farthest coordinate of the triangle it
 // leaves: 16 half units in the last place of a float. The hit itself is found in double from the
@@ -258,6 +300,12 @@ struct Accel::Impl {
                                         v * Vec3(mesh.normals[triangle[2]]));
     }
 
+    template <class RayHits>
+    Met met(const RayHits& found, std::size_t i) const {
+        const bool instanced = found.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+        return {instanced ? found.hit.instID[0][i] : found.hit.geomID[i], found.hit.primID[i],
+                found.hit.u[i], found.hit.v[i], found.ray.tfar[i]};
+    }
     Met met(const RTCRayHit& found) const {
         const bool instanced = found.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
         return {instanced ? found.hit.instID[0] : found.hit.geomID, found.hit.primID, found.hit.u,
@@ -277,10 +325,25 @@ double Accel::radius() const {
     return impl_->radius;
 }
 
-unsigned Accel::intersect(const RayOf<Reals>& rays, unsigned active,
-                          std::array<Met, kSide>& met) const {
+unsigned Accel::intersect(const RayOf<Reals>& rays, unsigned active, std::array<Met, kSide>& met,
+                          Company company) const {
     const FloatRays all(rays);
     unsigned hit = 0;
+    if constexpr (kSide == 4 || kSide == 8) {
+        if (company == Company::kClose) {
+            std::conditional_t<kSide == 8, RTCRayHit8, RTCRayHit4> found;
+            alignas(32) const std::array<int, kSide> valid = all.fill(found.ray, active);
+            for (std::size_t i = 0; i < kSide; ++i)
+                found.hit.geomID[i] = found.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+            follow_packet(impl_->top.get(), valid.data(), found);
+            for (std::size_t i = 0; i < kSide; ++i) {
+                if (!valid[i] || found.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+                met[i] = impl_->met(found, i);
+                hit |= 1u << i;
+            }
+            return hit;
+        }
+    }
     for (std::size_t i = 0; i < kSide; ++i) {
         if (!(active >> i & 1) || !all.finite(i)) continue;
         RTCRayHit found;
@@ -295,9 +358,19 @@ unsigned Accel::intersect(const RayOf<Reals>& rays, unsigned active,
     return hit;
 }
 
-unsigned Accel::occluded(const RayOf<Reals>& rays, unsigned active) const {
+unsigned Accel::occluded(const RayOf<Reals>& rays, unsigned active, Company company) const {
     const FloatRays all(rays);
     unsigned hidden = 0;
+    if constexpr (kSide == 4 || kSide == 8) {
+        if (company == Company::kClose) {
+            std::conditional_t<kSide == 8, RTCRay8, RTCRay4> packet;
+            alignas(32) const std::array<int, kSide> valid = all.fill(packet, active);
+            follow_packet(impl_->top.get(), valid.data(), packet);
+            for (std::size_t i = 0; i < kSide; ++i)
+                if ((active >> i & 1) && (!valid[i] || packet.tfar[i] < 0)) hidden |= 1u << i;
+            return hidden;
+        }
+    }
     for (std::size_t i = 0; i < kSide; ++i) {
         if (!(active >> i & 1)) continue;
         RTCRay ray;

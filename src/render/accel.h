@@ -44,6 +44,9 @@ struct Hit : HitOf<double> {
     double distance;
 };
 
+/// Do rays keep close together? Then Embree follows them as one packet.
+enum class Company { kAlone, kClose };
+
 class Accel {
   public:
     explicit Accel(const Scene& scene);
@@ -57,10 +60,11 @@ class Accel {
 
     /// First surfaces along unit directions, of the lanes in `active`; nothing for a ray that is not
     /// finite. Returns the lanes that met one.
-    unsigned intersect(const RayOf<Reals>& rays, unsigned active,
-                       std::array<Met, kSide>& met) const;
+    unsigned intersect(const RayOf<Reals>& rays, unsigned active, std::array<Met, kSide>& met,
+                       Company company = Company::kAlone) const;
     /// The lanes in `active` along whose ray there is any surface.
-    unsigned occluded(const RayOf<Reals>& rays, unsigned active) const;
+    unsigned occluded(const RayOf<Reals>& rays, unsigned active,
+                      Company company = Company::kAlone) const;
     /// The points met along these directions.
     Hits points(const std::array<Met, kSide>& met, const Vec3s& directions) const;
     /// Index into Scene::instances.

@@ -10,6 +10,9 @@
 namespace malus {
 namespace {
 
+// Far above any radiance and far below where sums overflow. NaN compares as false.
+constexpr float kMost = 1e30f;
+
 double rounded(double x) {
     return static_cast<double>(static_cast<float>(x));
 }
@@ -19,7 +22,7 @@ double rounded(double x) {
 Exposure::Exposure(int w, int h, std::vector<double> wavelengths, std::uint32_t replicate_count)
     : width(w), height(h), replicates(replicate_count), wavelengths_nm(std::move(wavelengths)) {
     const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-    stokes.resize(pixels * replicates * replicate_stride());
+    stokes.resize(pixels * pixel_stride());
     open.resize(pixels * replicates * wavelengths_nm.size());
     kept.resize(pixels * replicates);
     taken.resize(pixels);
@@ -33,7 +36,7 @@ Exposure::Exposure(int w, int h, std::vector<double> wavelengths, std::uint32_t 
 PixelExposure::PixelExposure(const Exposure& exposure)
     : wavelengths_(exposure.wavelengths_nm.size()),
       replicates_(exposure.replicates),
-      sums_(replicates_ * exposure.replicate_stride()),
+      sums_(exposure.pixel_stride()),
       open_(replicates_ * wavelengths_),
       kept_(replicates_) {}
 
@@ -66,24 +69,40 @@ void PixelExposure::store(Exposure& exposure, std::size_t pixel) const {
 
 bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t stride,
                         const float* open) {
-    // Far above any radiance and far below where sums overflow. NaN compares as false.
-    constexpr float kMost = 1e30f;
     bool fit = true;
     for (std::size_t w = 0; w < wavelengths_; ++w) fit &= S[w] >= 0;
     for (std::size_t c = 0; c < 4; ++c)
         for (std::size_t w = 0; w < wavelengths_; ++w) fit &= std::abs(S[c * stride + w]) < kMost;
     if (!fit) return false;
-    double* sums = sums_.data() + replicate * 4 * wavelengths_;
+    double* sums = sums_.data() + replicate;
     for (std::size_t c = 0; c < 4; ++c)
         for (std::size_t w = 0; w < wavelengths_; ++w)
-            sums[c * wavelengths_ + w] += static_cast<double>(S[c * stride + w]);
+            sums[(c * wavelengths_ + w) * replicates_] += static_cast<double>(S[c * stride + w]);
     ++kept_[replicate];
     if (!open) return true;
     const std::uint8_t* shares = open_.data() + replicate * wavelengths_;
     for (std::size_t c = 0; c < 4; ++c)
         for (std::size_t w = 0; w < wavelengths_; ++w)
-            sums[c * wavelengths_ + w] +=
+            sums[(c * wavelengths_ + w) * replicates_] +=
                 (shares[w] / 255.0) * static_cast<double>(open[c * stride + w]);
+    return true;
+}
+
+bool PixelExposure::add_all(const float* S, const float* open) {
+    const std::size_t s0 = wavelengths_ * replicates_;
+    bool fit = true;
+    for (std::size_t i = 0; i < s0; ++i) fit &= S[i] >= 0;
+    for (std::size_t i = 0; i < sums_.size(); ++i) fit &= std::abs(S[i]) < kMost;
+    if (!fit) return false;
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(S[i]);
+    for (std::uint32_t& kept : kept_) ++kept;
+    if (!open) return true;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t w = 0; w < wavelengths_; ++w)
+            for (std::size_t r = 0; r < replicates_; ++r) {
+                const std::size_t i = (c * wavelengths_ + w) * replicates_ + r;
+                sums_[i] += (open_[r * wavelengths_ + w] / 255.0) * static_cast<double>(open[i]);
+            }
     return true;
 }
 
@@ -119,10 +138,10 @@ void PixelExposure::end_sample() {
 }
 
 Stokes<double> PixelExposure::replicate_mean(std::size_t replicate, std::size_t wavelength) const {
-    const double* sums = sums_.data() + replicate * 4 * wavelengths_ + wavelength;
-    return (1.0 / kept_[replicate]) * Stokes<double>{sums[0], sums[wavelengths_],
-                                                     sums[2 * wavelengths_],
-                                                     sums[3 * wavelengths_]};
+    const double* sums = sums_.data() + wavelength * replicates_ + replicate;
+    const std::size_t next = wavelengths_ * replicates_;
+    return (1.0 / kept_[replicate]) *
+           Stokes<double>{sums[0], sums[next], sums[2 * next], sums[3 * next]};
 }
 
 // What chance may have put above |(S1,S2,S3)| = S0 where the sky table's differences are in the

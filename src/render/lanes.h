@@ -102,6 +102,41 @@ inline Mask mask_of(unsigned set) {
 #endif
 }
 
+/// kSide rows of 2 kSide numbers, into 2 kSide rows of kSide.
+inline void transpose(const std::array<Lanes, kSide>& rows, float* to) {
+#if defined(__AVX512DQ__)
+    // Unpacking twice brings four rows' numbers of a column side by side.
+    __m512 quads[8];  // [columns 4q + m of rows 0..3: m][of rows 4..7: 4 + m]
+    for (std::size_t half = 0; half < 8; half += 4) {
+        const __m512 a = rows[half], b = rows[half + 1], c = rows[half + 2], d = rows[half + 3];
+        const __m512d ab = _mm512_castps_pd(_mm512_unpacklo_ps(a, b)),
+                      cd = _mm512_castps_pd(_mm512_unpacklo_ps(c, d)),
+                      AB = _mm512_castps_pd(_mm512_unpackhi_ps(a, b)),
+                      CD = _mm512_castps_pd(_mm512_unpackhi_ps(c, d));
+        quads[half] = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
+        quads[half + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
+        quads[half + 2] = _mm512_castpd_ps(_mm512_unpacklo_pd(AB, CD));
+        quads[half + 3] = _mm512_castpd_ps(_mm512_unpackhi_pd(AB, CD));
+    }
+    const __m512i low = _mm512_setr_epi32(0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    const __m512i high =
+        _mm512_setr_epi32(8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+    for (std::size_t m = 0; m < 4; ++m) {
+        const __m512 a = _mm512_permutex2var_ps(quads[m], low, quads[m + 4]),
+                     b = _mm512_permutex2var_ps(quads[m], high, quads[m + 4]);
+        _mm256_storeu_ps(to + m * 8, _mm512_castps512_ps256(a));
+        _mm256_storeu_ps(to + (m + 4) * 8, _mm512_extractf32x8_ps(a, 1));
+        _mm256_storeu_ps(to + (m + 8) * 8, _mm512_castps512_ps256(b));
+        _mm256_storeu_ps(to + (m + 12) * 8, _mm512_extractf32x8_ps(b, 1));
+    }
+#else
+    for (std::size_t i = 0; i < kSide; ++i) {
+        const auto row = stored(rows[i]);
+        for (std::size_t j = 0; j < 2 * kSide; ++j) to[j * kSide + i] = row[j];
+    }
+#endif
+}
+
 /// The same for Lanes, at both wavelengths.
 inline Lanes::batch_bool_type lanes_mask_of(unsigned set) {
 #if defined(__AVX512F__)

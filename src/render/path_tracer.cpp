@@ -8,8 +8,9 @@ namespace malus {
 namespace {
 
 // Which numbers of a block serve what.
-enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kPixelX, kPixelY };
-constexpr std::uint32_t kSunBlocks = 1u << 20;  // blocks of their own, beyond any path's vertices
+enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kOther1, kOther2 };
+// The last two are the point in the pixel in the first block, and in the next ones the point on the
+// sun's disc for the vertex before.
 
 // Calls visit(surface, lanes) for each surface among lanes.
 template <class Visit>
@@ -23,17 +24,27 @@ void for_each_surface(const std::array<int, kSide>& surface, const Visit& visit)
     }
 }
 
-// Light from wi, in fixed_frame(wi) or unpolarized, to the frame `toward`; `weight` without the
-// cosine. Lanes not in `lanes` bring none.
-Bounces bounces(const Vec3s& n, const Vec3s& wi, const Vec3s& wo, const BeamFrames& toward,
-                const Reals& weight, unsigned lanes) {
-    const Mask used = mask_of(lanes);
-    const Vec3s w = select(used, wi, n);  // any sound direction
-    Bounces to;
-    to.geometry = reflection(n, w, wo);
-    to.in = turn_between(fixed_frame_above(w), to.geometry.in);
-    to.out = turn_between(to.geometry.out, toward);
-    to.weight = select(used, to.geometry.cos_i * weight, Reals(0.0));
+// Reflections of light from directions, and what is left of them to shade.
+struct Directions {
+    ReflectionOf<Reals> geometry;
+    Bounces bounces;
+};
+TurnOf<Lanes> lanes_of(const TurnOf<Reals>& turn) {
+    return {real<Lanes>(turn.cos2), real<Lanes>(turn.sin2)};
+}
+// Light from wi, in fixed_frame(wi) or unpolarized, to the frame at.toward; `weight` without the
+// cosine. Lanes not in `lit` bring none.
+template <class Meeting>
+Directions directions(const Meeting& at, const Vec3s& wi, const Reals& weight, unsigned lit) {
+    const Mask used = mask_of(lit);
+    const Vec3s w = select(used, wi, at.hit.n);  // any sound direction
+    Directions to;
+    to.geometry = reflection(at.hit.n, w, at.wo);
+    to.bounces.facet = facet_geometry<Lanes>(at.attenuated, to.geometry);
+    to.bounces.in = lanes_of(turn_between(fixed_frame_above(w), to.geometry.in));
+    to.bounces.out = lanes_of(turn_between(to.geometry.out, at.toward));
+    to.bounces.weight = real<Lanes>(select(used, to.geometry.cos_i * weight, Reals(0.0)));
+    to.bounces.lit = lit;
     return to;
 }
 
@@ -71,7 +82,8 @@ Vec3s vectors(const Read& read) {
 struct PathTracer::Meeting {
     std::array<std::uint32_t, kSide> path;
     std::array<int, kSide> instance, surface;
-    unsigned live;  // lanes with a path, and a surface that reflects
+    unsigned live;    // lanes with a path, and a surface that reflects
+    Mask attenuated;  // surfaces with Torrance and Sparrow's attenuation
     Hits hit;
     Vec3s wo;
     BeamFrames toward;
@@ -132,7 +144,7 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
         std::array<std::uint32_t, kSide> path;
         for (std::size_t i = 0; i < kSide; ++i)
             path[i] = static_cast<std::uint32_t>(first + (i < used ? i : 0));
-        const auto u = points<kPixelX, 2>(paths.places(path, 0));
+        const auto u = points<kOther1, 2>(paths.places(path, 0));
         Rays rays = picture_.ray<Reals>(Reals(pixel_x) + u[0], Reals(pixel_y) + u[1]);
         rays.origin = rays.origin - Vec3s(scene_.accel.center());
         const auto skipped = malus::stored(approach(rays, scene_.accel.radius()));
@@ -140,7 +152,7 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
 
         paths.count(rays, lanes, RayKind::kFirstHit);
         std::array<Met, kSide> met;
-        const unsigned hit = scene_.accel.intersect(rays, lanes, met);
+        const unsigned hit = scene_.accel.intersect(rays, lanes, met, Company::kClose);
         Views& views = paths.views_.emplace_back();
         views.next = paths.arrive(1, hit, path, rays.direction, frame.x, met);
         for (std::size_t i = 0; i < used; ++i) {
@@ -151,6 +163,7 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
         }
         views.sky = {};
         views.sun = 0;
+        views.surface = hit;
         if (hit == lanes) continue;
         const auto directions = stored(rays.direction);
         for (std::size_t i = 0; i < used; ++i)
@@ -158,9 +171,19 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
         const Mask above = rays.direction.y >= Reals(0.0);
         const Vec3s up = select(above, rays.direction, Vec3s(Vec3{0, 1, 0}));
         const BeamFrames up_frame = image_frame(camera_, -up);
-        views.turn = turn_between(fixed_frame_above(up), up_frame);
+        views.turn = lanes_of(turn_between(fixed_frame_above(up), up_frame));
         views.sun = bits(scene_.sun.contains(rays.direction)) & lanes & ~hit;
     }
+}
+
+// The lanes whose surface has Torrance and Sparrow's attenuation.
+unsigned PathTracer::attenuated(const std::array<int, kSide>& surface) const {
+    unsigned lanes = 0;
+    for (std::size_t i = 0; i < kSide; ++i) {
+        const Surface& s = scene_.surfaces[static_cast<std::size_t>(surface[i])];
+        lanes |= (s.attenuation() == Attenuation::kTorranceSparrow ? 1u : 0u) << i;
+    }
+    return lanes;
 }
 
 // kSide vertices from arrival `first` on.
@@ -179,6 +202,7 @@ PathTracer::Meeting PathTracer::meet(int depth, std::size_t first, Paths& paths)
         at.instance[i] = scene_.accel.instance(met[i]);
         at.surface[i] = scene_.paints[static_cast<std::size_t>(at.instance[i])];
     }
+    at.attenuated = mask_of(attenuated(at.surface));
     const Vec3s direction = vectors([&](std::size_t i) { return arrival(i).direction; });
     at.hit = scene_.accel.points(met, direction);
     at.wo = -direction;
@@ -194,7 +218,7 @@ void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
     at.sky = sample_sky(scene_.sky, u[kSky1], u[kSky2]);
     at.sun = at.hit.n;
     if (scene_.sun.present()) {
-        const auto v = points<0, 2>(paths.places(at.path, kSunBlocks + block + 1));
+        const auto v = points<kOther1, 2>(paths.places(at.path, block + 1));
         at.sun = scene_.sun.sample(v[0], v[1]);
     }
     const Vec3s wo = basis.to_local(at.wo);
@@ -224,30 +248,35 @@ void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
 }
 
 // The lanes in `wanted` that light from w reaches.
-unsigned PathTracer::sees(const Meeting& at, const Vec3s& w, unsigned wanted, Paths& paths) const {
+unsigned PathTracer::sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,
+                          Paths& paths) const {
     const Reals zero(0.0);
     wanted &= at.live & bits((dot(w, at.hit.n) > zero) && (dot(w, at.hit.ng) > zero));
     if (!wanted) return 0;
     const Rays shadow{at.hit.leave(w), w};
     paths.count(shadow, wanted, RayKind::kAnyHit);
-    return wanted & ~scene_.accel.occluded(shadow, wanted);
+    return wanted & ~scene_.accel.occluded(shadow, wanted, company);
 }
 
 // Light from the directions drawn by the sky's brightness and from the sun.
 void PathTracer::sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const {
     const Reals zero(0.0);
-    at.sky_seen = sees(at, at.sky.w, bits(at.sky.lights.pdf > zero), paths);
+    at.sky_seen = sees(at, at.sky.w, bits(at.sky.lights.pdf > zero), Company::kAlone, paths);
     vertices.sky_sample_light = at.sky.lights.at;
-    vertices.sky_sample = bounces(
-        at.hit.n, at.sky.w, at.wo, at.toward,
-        light_weight(at.sky.lights.pdf, at.sky_by_surface, Lighting::kLightSamples), at.sky_seen);
-    vertices.sun_sample.weight = zero;
+    if (at.sky_seen)
+        vertices.sky_sample =
+            directions(at, at.sky.w,
+                       light_weight(at.sky.lights.pdf, at.sky_by_surface, Lighting::kLightSamples),
+                       at.sky_seen)
+                .bounces;
     if (!scene_.sun.present()) return;
-    const unsigned seen = sees(at, at.sun, bits(at.sun.y >= zero), paths);
+    const unsigned seen = sees(at, at.sun, bits(at.sun.y >= zero), Company::kClose, paths);
     if (!seen) return;
-    vertices.sun_sample = bounces(
-        at.hit.n, at.sun, at.wo, at.toward,
-        light_weight(Reals(scene_.sun.pdf()), at.sun_by_surface, Lighting::kLightSamples), seen);
+    vertices.sun_sample =
+        directions(
+            at, at.sun,
+            light_weight(Reals(scene_.sun.pdf()), at.sun_by_surface, Lighting::kLightSamples), seen)
+            .bounces;
 }
 
 // Follows the directions drawn by the surfaces' lobes: to the sky, or to the next vertices.
@@ -269,21 +298,23 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     vertices.onward_light = at.onward_lights.at;
     for (std::size_t i = 0; i < kSide; ++i)
         if (!(at.onward_seen >> i & 1)) vertices.onward_light[i] = {};
-    Bounces& onward = vertices.onward;
     const Reals weight =
         light_weight(at.onward_lights.pdf, at.onward_by_surface, Lighting::kSurfaceSamples);
-    onward = bounces(at.hit.n, wi, at.wo, at.toward, weight, at.onward_seen | hit);
     const Mask to_surface = mask_of(hit), to_sky = mask_of(at.onward_seen);
-    onward.in.cos2 = select(to_surface, one, onward.in.cos2);
-    onward.in.sin2 = select(to_surface, zero, onward.in.sin2);
-    onward.weight =
-        select(to_surface, onward.geometry.cos_i * inverse(at.onward_by_surface), onward.weight);
+    const Directions onward = directions(
+        at, wi, select(to_surface, inverse(at.onward_by_surface), weight), at.onward_seen | hit);
+    vertices.onward = onward.bounces;
+    const auto in_facet_frame = lanes_mask_of(hit);  // as the next vertex's light is
+    vertices.onward.in.cos2 = select(in_facet_frame, Lanes(1.f), vertices.onward.in.cos2);
+    vertices.onward.in.sin2 = select(in_facet_frame, Lanes(0.f), vertices.onward.in.sin2);
     const Mask to_sun = to_sky && (weight > zero) && scene_.sun.contains(wi);
-    vertices.onward_sun = select(
-        to_sun,
-        light_weight(Reals(scene_.sun.pdf()), at.onward_by_surface, Lighting::kSurfaceSamples) /
-            select(to_sun, weight, one),
-        zero);
+    vertices.meets_sun = bits(to_sun);
+    if (vertices.meets_sun)
+        vertices.onward_sun = real<Lanes>(select(
+            to_sun,
+            light_weight(Reals(scene_.sun.pdf()), at.onward_by_surface, Lighting::kSurfaceSamples) /
+                select(to_sun, weight, one),
+            zero));
     vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
 }
 
@@ -295,7 +326,6 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
     open.surface = at.surface;
     open.sky_sample_seen = at.sky_seen;
     open.onward_seen = at.onward_seen;
-    open.sky_sample.weight = open.onward.weight = Reals(0.0);
     const auto n = stored(at.hit.n), wo = stored(at.wo);
     std::array<SkyNode, kSide> nodes;
     std::array<double, kSide> scale;
@@ -335,7 +365,7 @@ void PathTracer::reflect_open(const Meeting& at, OpenSky& open) const {
     const auto reflected = [&](const Vec3s& w, const Reals& pdf, unsigned drawn) {
         const unsigned lit =
             at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero) && (pdf > zero));
-        return bounces(at.hit.n, w, at.wo, at.toward, open.scale * inverse(pdf), lit);
+        return directions(at, w, open.scale * inverse(pdf), lit).bounces;
     };
     open.sky_sample_light = at.sky.lights.at;
     open.sky_sample =
@@ -355,6 +385,7 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.live = kAllLanes >> (kSide - used);
         at.instance.fill(node.instance);
         at.surface.fill(scene_.paints[static_cast<std::size_t>(node.instance)]);
+        at.attenuated = mask_of(attenuated(at.surface));
         at.hit.n = at.hit.ng = Vec3s(node.n);
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};

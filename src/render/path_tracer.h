@@ -27,14 +27,13 @@ namespace malus {
 
 using Rays = RayOf<Reals>;
 using BeamFrames = BeamFrameOf<Reals>;
-using Turns = TurnOf<Reals>;
-using Reflections = ReflectionOf<Reals>;
 
 /// Reflections at vertices: from the light's frames through the facets to the next frames.
 struct Bounces {
-    Reflections geometry;
-    Turns in, out;
-    Reals weight;  ///< sr; 0: no light this way
+    FacetGeometry<Lanes> facet;
+    TurnOf<Lanes> in, out;
+    Lanes weight;      ///< sr; 0: no light this way
+    unsigned lit = 0;  ///< lanes with a weight
 };
 
 /// Surfaces met by paths, one a lane; lanes beyond the last path repeat the first.
@@ -45,7 +44,8 @@ struct Vertices {
     Bounces sun_sample;                         ///< directions to the sun's disc
     Bounces onward;                             ///< directions drawn by the surfaces' lobes
     std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
-    Reals onward_sun;             ///< weight of the sun's light there, in onward.weight
+    Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight
+    unsigned meets_sun;           ///< lanes with such a weight
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
 };
 
@@ -62,10 +62,17 @@ struct OpenSky {
 /// What the detector sees along rays, before any surface.
 struct Views {
     std::array<SkyLookup, kSide> sky;  ///< of the dome; black where a surface is
-    Turns turn;
+    TurnOf<Lanes> turn;
+    unsigned surface;             ///< lanes that meet one
     unsigned sun;                 ///< lanes that see the disc
     std::array<int, kSide> next;  ///< the first vertex, −1: none
 };
+
+/// Floats of a block of light: `rows` of kSide, up to whole registers.
+constexpr std::size_t block_size(std::size_t rows) {
+    constexpr std::size_t kWhole = 2 * kSide;
+    return (rows + kWhole - 1) / kWhole * kWhole * kSide;
+}
 
 enum class RayKind { kFirstHit, kAnyHit };
 struct TracedRay {
@@ -85,14 +92,16 @@ class Paths {
     /// What path i met first: index into Scene::instances, −1 for the sky; and how far off, m.
     int instance(std::size_t i) const { return first_instance_[i]; }
     double distance(std::size_t i) const { return first_distance_[i]; }
-    /// Stokes vector of path i in the image frame: four rows of one float a wavelength.
-    void light(std::size_t i, std::size_t wavelengths, float* S) const;
+    /// Stokes vectors of the paths of one sample (0: the first traced) in the image frame:
+    /// [S0..S3][wavelength][replicate].
+    void light(std::size_t sample, std::size_t wavelengths, float* S) const;
 
     /// The node whose open sky path i has beside its own light, −1: none; its g.
     int open_node(std::size_t i) const;
     double open_scale(std::size_t i) const;
-    /// g C of sky_table.h, as light(); in a fifth row S0 of what of it reaches the vertex.
-    void open_light(std::size_t i, std::size_t wavelengths, float* C) const;
+    /// g C of sky_table.h, [S0..S3][wavelength], and S0 of what of it reaches the vertex,
+    /// [wavelength], with path i's first and others kSide apart.
+    const float* open_light(std::size_t i, std::size_t wavelengths) const;
 
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
     std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
@@ -110,7 +119,7 @@ class Paths {
     struct Level {
         std::vector<Arrival> arrivals;
         std::vector<Vertices> vertices;
-        std::vector<Lanes> light;  // [vertices][pair of wavelengths][S0..S3]
+        std::vector<float> light;  // [vertices][S0..S3][wavelength][lane], padded
     };
 
     void start(std::uint32_t first, std::uint32_t count, std::size_t depths);
@@ -122,10 +131,11 @@ class Paths {
     const Scramble* scrambles(std::uint32_t block);
     PointPlaces places(const std::array<std::uint32_t, kSide>& path, std::uint32_t block);
     void count(const Rays& traced, unsigned active, RayKind kind);
-    // The light of the registers that vertex `place` of a depth is in, `row` of them a vertex.
-    const Lanes* light_of(int depth, int place, std::size_t row) {
-        return &level(depth).light[static_cast<std::size_t>(place) / kSide * row];
-    }
+    // [S0..S3][wavelength] of a vertex of a depth, kSide apart.
+    const float* light_of(int depth, int place, std::size_t wavelengths) const;
+    bool in_order(std::size_t first) const;
+    // Room for two blocks of light on its way to vertices.
+    float* arriving(std::size_t block);
 
     std::vector<Sampler> samplers_;
     std::vector<std::uint32_t> blocks_;  // in use with this pixel
@@ -135,10 +145,11 @@ class Paths {
     std::vector<int> first_vertex_, first_instance_;  // by path, −1: none
     std::vector<double> first_distance_;
     std::vector<Views> views_;
-    std::vector<Lanes> view_light_;  // [views][pair of wavelengths][S0..S3]
+    std::vector<float> view_light_;  // as a level's, where the sky is seen
     std::vector<Level> levels_;      // [depth − 1]
     std::vector<OpenSky> open_;      // of the first vertices; empty without a table
-    std::vector<Lanes> open_light_;  // [vertices][pair][S0..S3, seen]
+    std::vector<float> open_light_;  // [vertices][S0..S3, seen][wavelength][lane], padded
+    std::vector<float> arriving_;
 };
 
 class PathTracer {
@@ -164,10 +175,12 @@ class PathTracer {
     struct Meeting;
     void look_through(int pixel_x, int pixel_y, Paths& paths) const;
     Meeting meet(int depth, std::size_t first, Paths& paths) const;
+    unsigned attenuated(const std::array<int, kSide>& surface) const;
     void draw(int depth, Meeting& at, Paths& paths) const;
     void sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const;
     void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;
-    unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Paths& paths) const;
+    unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,
+                  Paths& paths) const;
     void reflect_open(const Meeting& at, OpenSky& open) const;
     OpenSky open_sky(const Meeting& at, const SkyTable& table, int pixel_x, int pixel_y) const;
     Reals light_weight(const Reals& by_light, const Reals& by_surface, Lighting drawn_by) const;

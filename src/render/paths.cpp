@@ -76,27 +76,46 @@ void Paths::count(const Rays& traced, unsigned active, RayKind kind) {
         if (active >> i & 1) log->push_back({{{x[i], y[i], z[i]}, {dx[i], dy[i], dz[i]}}, kind});
 }
 
-namespace {
-
-// Rows S0, S1 … of one lane.
-void copy(const Lanes* registers, std::size_t rows, std::size_t lane, std::size_t wavelengths,
-          float* to) {
-    const auto* numbers = reinterpret_cast<const float*>(registers);
-    for (std::size_t c = 0; c < rows; ++c)
-        for (std::size_t w = 0; w < wavelengths; ++w)
-            to[c * wavelengths + w] =
-                numbers[(w / 2 * rows + c) * Lanes::size + w % 2 * kSide + lane];
+const float* Paths::light_of(int depth, int place, std::size_t wavelengths) const {
+    const auto at = static_cast<std::size_t>(place);
+    return &levels_[static_cast<std::size_t>(depth - 1)]
+                .light[at / kSide * block_size(4 * wavelengths) + at % kSide];
 }
 
-}  // namespace
-
-void Paths::light(std::size_t i, std::size_t wavelengths, float* S) const {
-    copy(&view_light_[i / kSide * 4 * pairs(wavelengths)], 4, i % kSide, wavelengths, S);
+// Do paths `first` to first + kSide − 1 stand in the registers of their first vertices in order?
+bool Paths::in_order(std::size_t first) const {
+    const int place = first_vertex_[first];
+    if (place % static_cast<int>(kSide) != 0 || first + kSide > size_) return false;
+    for (std::size_t i = 1; i < kSide; ++i)
+        if (first_vertex_[first + i] != place + static_cast<int>(i)) return false;
+    return true;
 }
 
-void Paths::open_light(std::size_t i, std::size_t wavelengths, float* C) const {
+void Paths::light(std::size_t sample, std::size_t wavelengths, float* S) const {
+    const std::size_t R = replicates(), first = sample * R, rows = 4 * wavelengths;
+    for (std::size_t r = 0; r < R;) {
+        const std::size_t i = first + r;
+        const bool surface = first_vertex_[i] >= 0;
+        const bool together = surface && r + kSide <= R && in_order(i);
+        const float* from = surface ? light_of(1, first_vertex_[i], wavelengths)
+                                    : &view_light_[i / kSide * block_size(rows) + i % kSide];
+        if (together)
+            for (std::size_t j = 0; j < rows; ++j)
+                std::copy_n(from + j * kSide, kSide, S + j * R + r);
+        else
+            for (std::size_t j = 0; j < rows; ++j) S[j * R + r] = from[j * kSide];
+        r += together ? kSide : 1;
+    }
+}
+
+const float* Paths::open_light(std::size_t i, std::size_t wavelengths) const {
     const auto place = static_cast<std::size_t>(first_vertex_[i]);
-    copy(&open_light_[place / kSide * 5 * pairs(wavelengths)], 5, place % kSide, wavelengths, C);
+    return &open_light_[place / kSide * block_size(5 * wavelengths) + place % kSide];
+}
+
+float* Paths::arriving(std::size_t block) {
+    arriving_.resize(std::max(arriving_.size(), 2 * block));
+    return arriving_.data();
 }
 
 int Paths::open_node(std::size_t i) const {

@@ -46,14 +46,12 @@ struct Worker {
     Paths paths;
     PixelExposure pixel;
     std::vector<Sampler> samplers;  // one a replicate
-    std::vector<float> S, open;     // of a sample; of g C, and of g (T − C)
+    std::vector<float> S, open;     // of a sample of each replicate; of g (T − C)
     std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
     explicit Worker(const Exposure& exposure)
-        : pixel(exposure),
-          S(4 * exposure.wavelengths_nm.size()),
-          open(5 * exposure.wavelengths_nm.size()) {}
+        : pixel(exposure), S(exposure.pixel_stride()), open(exposure.pixel_stride()) {}
 };
 
 // One call of render().
@@ -136,10 +134,8 @@ class Job {
                 if (table_->samples(node) % 256 == 0 && (stop_wanted() || time_is_up())) return;
                 tracer_.sample_open(table_->node(static_cast<int>(node)), table_->samples(node),
                                     worker.paths);
-                for (std::uint32_t r = 0; r < exposure().replicates; ++r) {
-                    worker.paths.open_light(r, wavelengths, worker.open.data());
-                    table_->add(node, r, worker.open.data());
-                }
+                for (std::uint32_t r = 0; r < exposure().replicates; ++r)
+                    table_->add(node, r, worker.paths.open_light(r, wavelengths), kSide);
                 table_->end_sample(node);
             }
             table_->develop(node);
@@ -173,8 +169,7 @@ class Job {
             trace(x, y, count, worker);
             if (pixel.taken() == 0) find_open(worker);
             for (std::uint32_t s = 0; s < count; ++s) {
-                for (std::uint32_t r = 0; r < exposure().replicates; ++r)
-                    add(x, y, r, s * exposure().replicates + r, worker);
+                add(x, y, s, worker);
                 pixel.end_sample();
             }
             const bool keeps = pixel.taken() == checkpoint(pixel.taken());
@@ -218,10 +213,10 @@ class Job {
         std::vector<Light> light(R * W);
         for (std::size_t r = 0; r < R; ++r) {
             if (worker.paths.open_node(r) < 0) continue;
-            worker.paths.open_light(r, W, worker.open.data());
+            const float* C = worker.paths.open_light(r, W);
             for (std::size_t w = 0; w < W; ++w)
-                light[r * W + w] = {static_cast<double>(worker.open[w]),
-                                    static_cast<double>(worker.open[4 * W + w])};
+                light[r * W + w] = {static_cast<double>(C[w * kSide]),
+                                    static_cast<double>(C[(4 * W + w) * kSide])};
         }
         for (std::uint32_t r = 0; r < R; ++r)
             for (std::size_t w = 0; w < W; ++w) {
@@ -229,10 +224,10 @@ class Job {
                 for (std::size_t other = 0; other < R; ++other) {
                     const int node = worker.paths.open_node(other);
                     if (other == r || node < 0) continue;
-                    const float* T = table_->mean(static_cast<std::size_t>(node), r);
+                    const float* T = table_->mean(static_cast<std::size_t>(node));
                     whole += light[other * W + w].whole;
                     seen += light[other * W + w].seen;
-                    expected += worker.paths.open_scale(other) * static_cast<double>(T[w]);
+                    expected += worker.paths.open_scale(other) * static_cast<double>(T[w * R + r]);
                 }
                 const bool known = whole > kLeastEvidence * expected && expected > 0;
                 const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
@@ -240,25 +235,53 @@ class Job {
             }
     }
 
-    // Path i to the sums.
-    void add(int x, int y, std::uint32_t replicate, std::size_t i, Worker& worker) {
+    // A sample of each replicate to the sums.
+    void add(int x, int y, std::size_t sample, Worker& worker) {
         const Paths& paths = worker.paths;
-        const std::size_t W = exposure().wavelengths_nm.size();
-        const int node = paths.open_node(i);
-        paths.light(i, W, worker.S.data());
-        if (node >= 0) {
-            paths.open_light(i, W, worker.open.data());
-            const float* T = table_->mean(static_cast<std::size_t>(node), replicate);
+        const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
+        paths.light(sample, W, worker.S.data());
+        const bool open = find_difference(sample, worker);
+        if (!worker.pixel.add_all(worker.S.data(), open ? worker.open.data() : nullptr))
+            for (std::size_t r = 0; r < R; ++r) add_one(x, y, r, open, worker);
+        for (std::size_t i = sample * R; i < (sample + 1) * R; ++i)
+            if (paths.instance(i) < 0)
+                worker.pixel.add_sky();
+            else
+                worker.pixel.add_surface(paths.instance(i), paths.distance(i));
+    }
+
+    // g (T − C) of the paths of a sample; false where none has an open sky.
+    bool find_difference(std::size_t sample, Worker& worker) const {
+        const Paths& paths = worker.paths;
+        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = paths.replicates();
+        bool open = false;
+        for (std::size_t r = 0; r < R; ++r) open |= paths.open_node(sample * R + r) >= 0;
+        if (!open) return false;
+        for (std::size_t r = 0; r < R; ++r) {
+            const std::size_t i = sample * R + r;
+            const int node = paths.open_node(i);
+            float* D = worker.open.data() + r;
+            if (node < 0) {
+                for (std::size_t j = 0; j < 4 * W; ++j) D[j * R] = 0;
+                continue;
+            }
+            const float* T = table_->mean(static_cast<std::size_t>(node)) + r;
+            const float* C = paths.open_light(i, W);
             const auto g = static_cast<float>(paths.open_scale(i));
-            for (std::size_t k = 0; k < 4 * W; ++k) worker.open[k] = g * T[k] - worker.open[k];
+            for (std::size_t j = 0; j < 4 * W; ++j) D[j * R] = g * T[j * R] - C[j * kSide];
         }
-        if (!worker.pixel.add(replicate, worker.S.data(), W,
-                              node >= 0 ? worker.open.data() : nullptr))
-            refuse({x, y, replicate, worker.pixel.taken()}, worker);
-        if (paths.instance(i) < 0)
-            worker.pixel.add_sky();
-        else
-            worker.pixel.add_surface(paths.instance(i), paths.distance(i));
+        return true;
+    }
+
+    // Of a sample of which some are refused, one.
+    void add_one(int x, int y, std::size_t replicate, bool open, Worker& worker) {
+        const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
+        std::vector<float> S(4 * W), D(4 * W);
+        for (std::size_t j = 0; j < 4 * W; ++j)
+            S[j] = worker.S[j * R + replicate], D[j] = worker.open[j * R + replicate];
+        const auto r = static_cast<std::uint32_t>(replicate);
+        if (!worker.pixel.add(r, S.data(), W, open ? D.data() : nullptr))
+            refuse({x, y, r, worker.pixel.taken()}, worker);
     }
 
     // Keeps the first in order of pixels, so that what is told does not depend on the threads.

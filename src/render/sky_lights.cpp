@@ -40,9 +40,7 @@ SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted) {
 SkySamples sample_sky(const SkyEmitter& sky, const Reals& u1, const Reals& u2) {
     SkySamples samples;
     if (sky.density().dark()) return {Vec3s(Vec3{0, 1, 0}), {{}, Reals(0.0)}};
-    const auto a = stored(u1), b = stored(u2);
-    std::array<SkyDensity::Draw, kSide> draws;
-    for (std::size_t i = 0; i < kSide; ++i) draws[i] = sky.density().draw(a[i], b[i]);
+    const auto draws = sky.density().draws(stored(u1), stored(u2));
     const DomePointOf<Reals> p{
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.t; }),
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.azimuth; })};

@@ -167,9 +167,10 @@ std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
     return goals;
 }
 
-void SkyTable::add(std::size_t node, std::size_t replicate, const float* C) {
-    double* sums = &sums_[(node * replicates_ + replicate) * row_];
-    for (std::size_t i = 0; i < row_; ++i) sums[i] += static_cast<double>(C[i]);
+void SkyTable::add(std::size_t node, std::size_t replicate, const float* C, std::size_t step) {
+    double* sums = &sums_[node * replicates_ * row_ + replicate];
+    for (std::size_t i = 0; i < row_; ++i)
+        sums[i * replicates_] += static_cast<double>(C[i * step]);
 }
 
 void SkyTable::develop(std::size_t node) {

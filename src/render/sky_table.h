@@ -51,16 +51,14 @@ class SkyTable {
     /// Samples a replicate that T of each node should have, by what its pixels want; never 0.
     std::vector<std::uint32_t> goals(const Exposure& exposure) const;
     std::uint32_t samples(std::size_t node) const { return samples_[node]; }
-    /// Adds a sample: four rows of one float a wavelength.
-    void add(std::size_t node, std::size_t replicate, const float* C);
+    /// Adds a sample, [S0..S3][wavelength], its numbers `step` apart.
+    void add(std::size_t node, std::size_t replicate, const float* C, std::size_t step);
     /// After a sample of each replicate.
     void end_sample(std::size_t node) { ++samples_[node]; }
     /// After samples were added: T is their mean.
     void develop(std::size_t node);
-    /// T: four rows of one float a wavelength, in the frame `toward`.
-    const float* mean(std::size_t node, std::size_t replicate) const {
-        return &means_[(node * replicates_ + replicate) * row_];
-    }
+    /// T, in the frame `toward`: [S0..S3][wavelength][replicate].
+    const float* mean(std::size_t node) const { return &means_[node * replicates_ * row_]; }
 
   private:
     // How a paint's nodes are dealt out; none where its lobes are too sharp.
@@ -85,7 +83,7 @@ class SkyTable {
     std::vector<SkyNode> nodes_;
     std::vector<Key> keys_;               // of the nodes
     std::vector<int> seen_;               // by pixel: its node
-    std::vector<double> sums_;            // [node][replicate][S0..S3][wavelength]
+    std::vector<double> sums_;            // [node][S0..S3][wavelength][replicate]
     std::vector<float> means_;            // the same
     std::vector<std::uint32_t> samples_;  // [node], of each replicate
 };

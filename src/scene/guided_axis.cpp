@@ -5,7 +5,7 @@
 namespace malus {
 
 GuidedAxis::GuidedAxis(std::vector<double> nodes) : nodes_(std::move(nodes)) {
-    const std::size_t guides = 2 * nodes_.size();
+    const std::size_t guides = 4 * nodes_.size();
     scale_ = static_cast<double>(guides) / (nodes_.back() - nodes_.front());
     guide_.resize(guides + 1);
     for (std::size_t g = 0; g <= guides; ++g) {
@@ -14,15 +14,6 @@ GuidedAxis::GuidedAxis(std::vector<double> nodes) : nodes_(std::move(nodes)) {
         guide_[g] = static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(
             0, std::min<std::ptrdiff_t>(above - nodes_.begin() - 1, std::ssize(nodes_) - 2)));
     }
-}
-
-std::size_t GuidedAxis::cell(double x) const {
-    const double g = (x - nodes_.front()) * scale_;
-    const double last = static_cast<double>(guide_.size() - 1);
-    std::size_t i = guide_[static_cast<std::size_t>(std::clamp(g, 0.0, last))];
-    while (i > 0 && nodes_[i] > x) --i;
-    while (i + 2 < nodes_.size() && nodes_[i + 1] <= x) ++i;
-    return i;
 }
 
 }  // namespace malus

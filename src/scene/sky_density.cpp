@@ -28,46 +28,47 @@ DomeCells DomeCells::equal_area(std::size_t rings) {
 }
 
 SkyDensity::SkyDensity(const DomeCells& cells,
-                       const std::function<double(const DomePoint&)>& brightness)
-    : t_(cells.t) {
+                       const std::function<double(const DomePoint&)>& brightness) {
+    std::vector<double> r;
+    for (double t : cells.t) r.push_back(std::sqrt(t));
+    r_ = GuidedAxis(std::move(r));
+    first_.push_back(0);
     std::vector<double> chance_of_ring;
-    for (std::size_t ring = 0; ring < t_.cells(); ++ring) {
-        const double part = 2 * kPi / static_cast<double>(cells.parts[ring]);
+    for (std::size_t ring = 0; ring < r_.cells(); ++ring) {
+        const double t = cells.t[ring], height = cells.t[ring + 1] - t;
+        const double width = 2 * kPi / static_cast<double>(cells.parts[ring]);
         std::vector<double> chance_of_part(cells.parts[ring], 0.0);
         double sum = 0;
         for (std::size_t i = 0; i < chance_of_part.size(); ++i) {
             for (double v : {0.25, 0.75})
                 for (double u : {0.25, 0.75})
-                    chance_of_part[i] += brightness(
-                        {t_.node(ring) + v * t_.width(ring), (static_cast<double>(i) + u) * part});
+                    chance_of_part[i] +=
+                        brightness({t + v * height, (static_cast<double>(i) + u) * width});
             sum += chance_of_part[i];
         }
         parts_.push_back(summed(chance_of_part));
-        chance_of_ring.push_back(sum * part * t_.width(ring));
+        first_.push_back(first_.back() + cells.parts[ring]);
+        chance_of_ring.push_back(sum * width * height);
     }
     rings_ = summed(chance_of_ring);
     if (rings_.cells() == 0) parts_.clear();
-}
-
-SkyDensity::Draw SkyDensity::draw(double u1, double u2) const {
-    const std::size_t ring = rings_.cell(u1);
-    const GuidedAxis& parts = parts_[ring];
-    const std::size_t part = parts.cell(u2);
-    const double width = 2 * kPi / static_cast<double>(parts.cells());
-    const DomePoint point{t_.node(ring) + rings_.fraction(ring, u1) * t_.width(ring),
-                          (static_cast<double>(part) + parts.fraction(part, u2)) * width};
-    return {point, rings_.width(ring) * parts.width(part) / (t_.width(ring) * width)};
+    for (std::size_t ring = 0; ring < parts_.size(); ++ring) {
+        const double solid_angle =
+            2 * kPi / static_cast<double>(cells.parts[ring]) * (cells.t[ring + 1] - cells.t[ring]);
+        for (std::size_t i = 0; i < cells.parts[ring]; ++i)
+            density_.push_back(
+                rings_.width(ring) > 0
+                    ? static_cast<float>(rings_.width(ring) * parts_[ring].width(i) / solid_angle)
+                    : 0.f);
+    }
 }
 
 double SkyDensity::pdf(const DomePoint& p) const {
     if (dark()) return 0;
-    const std::size_t ring = t_.cell(p.t);
-    if (!(rings_.width(ring) > 0)) return 0;
-    const GuidedAxis& parts = parts_[ring];
-    const double per_part = static_cast<double>(parts.cells()) / (2 * kPi);
-    const std::size_t part =
-        std::min(parts.cells() - 1, static_cast<std::size_t>(p.azimuth * per_part));
-    return rings_.width(ring) * parts.width(part) * per_part / t_.width(ring);
+    const std::size_t ring = r_.cell(std::sqrt(p.t)), parts = first_[ring + 1] - first_[ring];
+    const auto part =
+        static_cast<std::size_t>(p.azimuth * (static_cast<double>(parts) / (2 * kPi)));
+    return static_cast<double>(density_[first_[ring] + std::min(parts - 1, part)]);
 }
 
 }  // namespace malus

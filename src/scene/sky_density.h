@@ -39,14 +39,38 @@ class SkyDensity {
         double pdf;  ///< sr⁻¹
     };
     /// From two numbers in (0,1).
-    Draw draw(double u1, double u2) const;
+    Draw draw(double u1, double u2) const { return draws<1>({u1}, {u2})[0]; }
+    template <std::size_t N>
+    std::array<Draw, N> draws(const std::array<double, N>& u1,
+                              const std::array<double, N>& u2) const;
     /// Density of draw(), sr⁻¹.
     double pdf(const DomePoint& p) const;
 
   private:
-    GuidedAxis t_;
-    GuidedAxis rings_;               // chances summed over rings, from 0 to 1
-    std::vector<GuidedAxis> parts_;  // and over the parts of each; none in dark rings
+    GuidedAxis r_;                    // √t of the rings, which are nearly even in it
+    GuidedAxis rings_;                // chances summed over rings, from 0 to 1
+    std::vector<GuidedAxis> parts_;   // and over the parts of each; none in dark rings
+    std::vector<std::size_t> first_;  // of each ring's parts among all, and their number
+    std::vector<float> density_;      // of all parts, sr⁻¹
 };
+
+template <std::size_t N>
+std::array<SkyDensity::Draw, N> SkyDensity::draws(const std::array<double, N>& u1,
+                                                  const std::array<double, N>& u2) const {
+    std::array<std::size_t, N> ring, part;
+    for (std::size_t i = 0; i < N; ++i) ring[i] = rings_.cell(u1[i]);
+    for (std::size_t i = 0; i < N; ++i) part[i] = parts_[ring[i]].near(u2[i]);
+    std::array<Draw, N> draws;
+    for (std::size_t i = 0; i < N; ++i) {
+        const GuidedAxis& parts = parts_[ring[i]];
+        part[i] = parts.cell(u2[i], part[i]);
+        const double t0 = sqr(r_.node(ring[i])), t1 = sqr(r_.node(ring[i] + 1));
+        const double width = 2 * kPi / static_cast<double>(parts.cells());
+        draws[i] = {{t0 + rings_.fraction(ring[i], u1[i]) * (t1 - t0),
+                     (static_cast<double>(part[i]) + parts.fraction(part[i], u2[i])) * width},
+                    static_cast<double>(density_[first_[ring[i]] + part[i]])};
+    }
+    return draws;
+}
 
 }  // namespace malus

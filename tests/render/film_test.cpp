@@ -144,7 +144,7 @@ TEST_CASE("Exposure: the sums of a million samples are good to 2e-6") {
     }
     one.pixel.store(one.exposure, 0);
     CHECK(double{one.exposure.stokes[0]} / kSamples == Approx(double{1.1f}).epsilon(2e-6));
-    CHECK(double{one.exposure.stokes[4]} == Approx(sum).epsilon(2e-6));
+    CHECK(double{one.exposure.stokes[1]} == Approx(sum).epsilon(2e-6));
 }
 
 TEST_CASE("Exposure: a pixel that is put away at any checkpoint goes on as if it had not been") {

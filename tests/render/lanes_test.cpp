@@ -24,7 +24,8 @@ void compare(const Material& paint, const Surface& surface, const Vec3& wi, cons
     const Vec3 n{0, 0, 1};
     const Reflection r = reflection(n, wi, wo);
     const ReflectionOf<Reals> side_by_side = reflection(Vec3s(n), Vec3s(wi), Vec3s(wo));
-    const auto geometry = facet_geometry<Lanes>(surface.attenuation(), side_by_side);
+    const auto geometry = facet_geometry<Lanes>(
+        Mask(surface.attenuation() == Attenuation::kTorranceSparrow), side_by_side);
     const std::vector<double> wavelengths = wavelengths_of(paint);
     for (std::size_t w = 0; w < wavelengths.size(); ++w) {
         const auto lanes = eval(surface.lanes(w / 2), surface.slopes(), geometry);

@@ -131,9 +131,9 @@ struct FacetGeometry {
     T share;   ///< G/(4 cosθi cosθo)
     T spread;  ///< 2/(cosθi + cosθo)
 };
-template <class T, class R>
-FacetGeometry<T> facet_geometry(Attenuation attenuation, const ReflectionOf<R>& r) {
-    const R G = attenuation == Attenuation::kTorranceSparrow ? torrance_sparrow(r) : real<R>(1);
+template <class T, class R, class Mask>  // Mask: bool, or one a lane
+FacetGeometry<T> facet_geometry(const Mask& attenuated, const ReflectionOf<R>& r) {
+    const R G = any(attenuated) ? select(attenuated, torrance_sparrow(r), real<R>(1)) : real<R>(1);
     return {real<T>(r.theta),
             real<T>(r.cos_theta),
             real<T>(r.tan2_theta),
@@ -153,7 +153,7 @@ BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, const FacetGeometry
 template <class T, class R>
 BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, Attenuation attenuation,
                     const ReflectionOf<R>& r) {
-    return eval(p, slopes, facet_geometry<T>(attenuation, r));
+    return eval(p, slopes, facet_geometry<T>(attenuation == Attenuation::kTorranceSparrow, r));
 }
 
 }  // namespace malus

@@ -34,7 +34,7 @@ struct Exposure {
     int width = 0, height = 0;
     std::uint32_t replicates = 0;
     std::vector<double> wavelengths_nm;
-    std::vector<float> stokes;        ///< [pixel][replicate][S0..S3][wavelength] sums
+    std::vector<float> stokes;        ///< [pixel][S0..S3][wavelength][replicate] sums
     std::vector<std::uint8_t> open;   ///< [pixel][replicate][wavelength] α of the sky table × 255
     std::vector<std::uint32_t> kept;  ///< [pixel][replicate] samples in the sums
     std::vector<std::uint32_t> taken;    ///< [pixel] samples of each replicate, refused ones too
@@ -48,8 +48,8 @@ struct Exposure {
     Exposure(int width, int height, std::vector<double> wavelengths_nm, std::uint32_t replicates);
 
     std::size_t pixel_count() const { return taken.size(); }
-    /// Floats of `stokes` that belong to one replicate of one pixel.
-    std::size_t replicate_stride() const { return 4 * wavelengths_nm.size(); }
+    /// Floats of `stokes` that belong to one pixel.
+    std::size_t pixel_stride() const { return 4 * wavelengths_nm.size() * replicates; }
 };
 
 /// One pixel under exposure: sums in double, samples added one after the other.
@@ -67,6 +67,9 @@ class PixelExposure {
     /// α of it is added.
     bool add(std::uint32_t replicate, const float* S, std::size_t stride,
              const float* open = nullptr);
+    /// A sample of every replicate, [S0..S3][wavelength][replicate], and the same of `open`. False,
+    /// and nothing is added, where one of them would be refused.
+    bool add_all(const float* S, const float* open = nullptr);
     /// α, [0,1], to the next 1/255.
     void set_open(std::uint32_t replicate, std::size_t wavelength, double share);
     bool is_open() const;  ///< is α > 0 for any replicate at any wavelength?
@@ -82,8 +85,8 @@ class PixelExposure {
 
   private:
     std::size_t wavelengths_, replicates_;
-    std::vector<double> sums_;  // [replicate][S0..S3][wavelength]
-    std::vector<std::uint8_t> open_;
+    std::vector<double> sums_;        // [S0..S3][wavelength][replicate]
+    std::vector<std::uint8_t> open_;  // [replicate][wavelength]
     std::vector<std::uint32_t> kept_;
     std::uint32_t taken_ = 0, covered_ = 0;
     double distance_ = 0;

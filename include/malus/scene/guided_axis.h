@@ -16,7 +16,19 @@ class GuidedAxis {
     explicit GuidedAxis(std::vector<double> nodes);
 
     /// Largest i with node(i) ≤ x, kept in range.
-    std::size_t cell(double x) const;
+    std::size_t cell(double x) const { return cell(x, near(x)); }
+    /// The same from what near(x) found. Searches for several x wait for memory together when all of
+    /// their near() come first.
+    std::size_t cell(double x, std::size_t i) const {
+        while (i > 0 && nodes_[i] > x) --i;
+        while (i + 2 < nodes_.size() && nodes_[i + 1] <= x) ++i;
+        return i;
+    }
+    std::size_t near(double x) const {
+        const double g = (x - nodes_.front()) * scale_;
+        const double last = static_cast<double>(guide_.size() - 1);
+        return guide_[static_cast<std::size_t>(std::clamp(g, 0.0, last))];
+    }
     double node(std::size_t i) const { return nodes_[i]; }
     std::size_t cells() const { return nodes_.empty() ? 0 : nodes_.size() - 1; }
     double width(std::size_t i) const { return nodes_[i + 1] - nodes_[i]; }
