@@ -20,7 +20,7 @@ namespace {
 struct MergeOptions {
     std::vector<std::string> images;
     std::string output;
-    bool debias = false, quiet = false;
+    bool debias = false, compress = false, quiet = false;
 };
 
 using Attributes = std::map<std::string, Attribute>;
@@ -138,7 +138,7 @@ void merge(const MergeOptions& options, const std::string& command_line) {
     image.attributes.merge(headers.merged());
     image.attributes["commandLine"] = command_line;
     image.attributes["mergedFrom"] = options.images;
-    write_exr(options.output, image);
+    write_exr(options.output, image, options.compress ? Compression::kZip : Compression::kNone);
     if (options.quiet) return;
     std::printf("%s: %zu images, seeds %s; %s, standard error (rms)%s\n", options.output.c_str(),
                 options.images.size(), headers.seeds().c_str(), samples_text(film).c_str(),
@@ -167,6 +167,7 @@ void add_merge(CLI::App& app, const std::string& command_line) {
                   "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                   "Plaszczynski et al. 2014), whatever the images had; the Stokes vector stays as "
                   "it is");
+    sub->add_flag("--compress", options->compress, kCompressHelp);
     sub->add_flag("--quiet", options->quiet, "No progress, no closing line");
     sub->callback([options, command_line] { merge(*options, command_line); });
 }

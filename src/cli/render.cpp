@@ -298,6 +298,7 @@ void add_sampling(CLI::App& sub, RenderOptions& o) {
     sub.add_flag("--final", o.final,
                  "Do not write OUT.exr.sums, the sums of samples beside the image that --resume "
                  "needs (20 bytes a pixel, wavelength and replicate)");
+    sub.add_flag("--compress", o.compress, kCompressHelp);
     sub.add_flag("--debias", o.debias,
                  "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                  "Plaszczynski et al. 2014); the Stokes vector stays as it is. Average Stokes "

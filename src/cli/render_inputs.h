@@ -20,6 +20,7 @@ struct RenderOptions {
     std::vector<double> wavelengths_nm;
     double view_zenith_deg = 30, view_azimuth_deg = 0, fov_deg = 0, margin = 0.05;
     bool orthographic = false, no_sun = false, debias = false, final = false, quiet = false;
+    bool compress = false;
     double time_limit_s = 0;  ///< of the whole command; 0: none
     CLI::Option* spp_option = nullptr;
     CLI::Option* camera_option = nullptr;

@@ -109,20 +109,21 @@ void write_image(const std::string& path, const RenderResult& result, const Labe
                            options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.insert(header.attributes.begin(), header.attributes.end());
     image.attributes["stoppedBy"] = to_text(result.stopped_by);
-    if (options.final) return write_exr(path, image);
+    const Compression as = options.compress ? Compression::kZip : Compression::kNone;
+    if (options.final) return write_exr(path, image, as);
     // The sums are the larger file, so they are tried first, and take their place last: what is on
     // the disk belongs together whatever fails.
     const std::filesystem::path fresh = sums_path(path).string() + ".new";
     try {
         write_exposure(fresh, result.exposure);
         image.attributes["sumsHash"] = fingerprint(result.exposure);
-        write_exr(path, image);
+        write_exr(path, image, as);
         std::filesystem::rename(fresh, sums_path(path));
     } catch (const Error& problem) {
         std::error_code ignored;
         std::filesystem::remove(fresh, ignored);
         image.attributes.erase("sumsHash");
-        write_exr(path, image);
+        write_exr(path, image, as);
         throw Error(std::string(problem.what()) + "; " + path +
                     " is whole, but --resume cannot go on");
     }

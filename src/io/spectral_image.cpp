@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <map>
+#include <thread>
 
 #include "malus/core/error.h"
 #include "malus/optics/wavelengths.h"
@@ -13,40 +15,66 @@
 namespace malus {
 namespace {
 
-// One channel: quantity(pixel) at wavelength w, for all pixels.
-template <class Quantity>
-void fill(Image& image, const std::string& name, const Film& film, std::size_t w,
-          Quantity quantity) {
-    std::vector<float>& data = image.channel(spectral_channel(name, film.wavelengths_nm[w]));
-    for (std::size_t i = 0; i < data.size(); ++i)
-        data[i] = static_cast<float>(quantity(film.at(i, w)));
-}
-
 // The angle in degrees as a float that stays below 180 when rounded.
 double aolp_degrees(const Stokes<double>& S) {
     const double degrees = to_degrees(aolp(S));
     return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
 }
 
-void fill_wavelength(Image& image, const Film& film, std::size_t w, DolpEstimator estimator) {
-    using P = PixelStokes;
-    fill(image, "S0", film, w, [](const P& p) { return p.mean.s0; });
-    fill(image, "S1", film, w, [](const P& p) { return p.mean.s1; });
-    fill(image, "S2", film, w, [](const P& p) { return p.mean.s2; });
-    fill(image, "S3", film, w, [](const P& p) { return p.mean.s3; });
-    fill(image, "DoLP", film, w, [&](const P& p) {
-        return estimator == DolpEstimator::kRaw ? std::min(1.0, dolp(p.mean)) : debiased_dolp(p);
-    });
-    fill(image, "AoLP", film, w, [](const P& p) { return aolp_degrees(p.mean); });
-    fill(image, "StdErr_S0", film, w, [](const P& p) { return std::sqrt(p.covariance[0]); });
-    fill(image, "StdErr_S1", film, w, [](const P& p) { return std::sqrt(p.covariance[3]); });
-    fill(image, "StdErr_S2", film, w, [](const P& p) { return std::sqrt(p.covariance[5]); });
-    fill(image, "StdErr_S3", film, w, [](const P& p) { return std::sqrt(p.covariance[6]); });
-    fill(image, "Cov_S0S1", film, w, [](const P& p) { return p.covariance[1]; });
-    fill(image, "Cov_S0S2", film, w, [](const P& p) { return p.covariance[2]; });
-    fill(image, "Cov_S1S2", film, w, [](const P& p) { return p.covariance[4]; });
-    fill(image, "StdErr_DoLP", film, w, [](const P& p) { return stderr_dolp(p); });
-    fill(image, "StdErr_AoLP", film, w, [](const P& p) { return to_degrees(stderr_aolp(p)); });
+struct Quantity {
+    const char* name;
+    double (*of)(const PixelStokes&);
+};
+const std::array<Quantity, 15> kQuantities{{
+    {"S0", [](const PixelStokes& p) { return p.mean.s0; }},
+    {"S1", [](const PixelStokes& p) { return p.mean.s1; }},
+    {"S2", [](const PixelStokes& p) { return p.mean.s2; }},
+    {"S3", [](const PixelStokes& p) { return p.mean.s3; }},
+    {"DoLP", [](const PixelStokes& p) { return std::min(1.0, dolp(p.mean)); }},
+    {"AoLP", [](const PixelStokes& p) { return aolp_degrees(p.mean); }},
+    {"StdErr_S0", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[0]}); }},
+    {"StdErr_S1", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[3]}); }},
+    {"StdErr_S2", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[5]}); }},
+    {"StdErr_S3", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[6]}); }},
+    {"Cov_S0S1", [](const PixelStokes& p) { return double{p.covariance[1]}; }},
+    {"Cov_S0S2", [](const PixelStokes& p) { return double{p.covariance[2]}; }},
+    {"Cov_S1S2", [](const PixelStokes& p) { return double{p.covariance[4]}; }},
+    {"StdErr_DoLP", [](const PixelStokes& p) { return stderr_dolp(p); }},
+    {"StdErr_AoLP", [](const PixelStokes& p) { return to_degrees(stderr_aolp(p)); }},
+}};
+
+// All quantities at all wavelengths: pixels in blocks that stay in the cache, shared by threads.
+void fill_quantities(Image& image, const Film& film, DolpEstimator estimator) {
+    struct Channel {
+        float* first;
+        double (*of)(const PixelStokes&);
+    };
+    std::vector<Channel> channels;  // [wavelength][quantity]
+    for (double nm : film.wavelengths_nm)
+        for (const Quantity& quantity : kQuantities) {
+            const bool debiased =
+                estimator == DolpEstimator::kDebiased && quantity.name == std::string_view("DoLP");
+            channels.push_back({image.channel(spectral_channel(quantity.name, nm)).data(),
+                                debiased ? &debiased_dolp : quantity.of});
+        }
+    constexpr std::size_t kBlock = 64;
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+        for (std::size_t from; (from = next.fetch_add(kBlock)) < film.pixel_count();) {
+            const std::size_t to = std::min(from + kBlock, film.pixel_count());
+            for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w)
+                for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+                    const Channel& channel = channels[w * kQuantities.size() + q];
+                    for (std::size_t i = from; i < to; ++i)
+                        channel.first[i] = static_cast<float>(channel.of(film.at(i, w)));
+                }
+        }
+    };
+    std::vector<std::jthread> helpers;
+    if (film.pixel_count() > 16 * kBlock)
+        for (unsigned t = 1; t < std::thread::hardware_concurrency(); ++t)
+            helpers.emplace_back(work);
+    work();
 }
 
 // Ids count from 1 in the header's list of names; 0 is the sky.
@@ -135,8 +163,7 @@ Image to_image(const Film& film, const Labels& labels, DolpEstimator estimator) 
     declare_stokes(image, "image");
     image.attributes["aolpUnits"] = "degrees";
     image.attributes["dolpEstimator"] = estimator == DolpEstimator::kRaw ? "raw" : "MAS";
-    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w)
-        fill_wavelength(image, film, w, estimator);
+    fill_quantities(image, film, estimator);
     image.channel("A") = film.coverage;
     image.channel("Z") = film.distance;
     std::copy(film.samples.begin(), film.samples.end(), image.channel("N.samples").begin());
