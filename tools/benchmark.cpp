@@ -29,8 +29,8 @@ using namespace malus;
 
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240, kRounds = 3, kErrorSide = 128;
-constexpr std::uint32_t kSpp = 16, kReferenceSpp = 4096;
+constexpr int kWidth = 160, kHeight = 120, kRounds = 3, kErrorSide = 128;
+constexpr std::uint32_t kSpp = 64, kReferenceSpp = 4096;
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -105,7 +105,7 @@ class BareScene {
     std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-// The rays of four samples of every pixel.
+// The rays of sixteen samples of every pixel.
 std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& camera,
                                    const RenderSettings& settings) {
     std::vector<TracedRay> rays;
@@ -117,7 +117,7 @@ std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& cam
             const auto pixel = static_cast<std::uint64_t>(y * settings.width + x);
             const Sampler replicate(settings.seed, pixel, 0);
             paths.begin({&replicate, 1});
-            tracer.trace(x, y, 0, 4, paths);
+            tracer.trace(x, y, 0, 16, paths);
         }
     return rays;
 }
@@ -235,10 +235,34 @@ void measure_errors(const BenchmarkScene& of, int threads) {
 
 }  // namespace
 
+// Renders and nothing else, for tools/profile: about 10 s.
+void render_again(const BenchmarkScene& of, std::size_t wavelengths) {
+    const std::vector<double> nm = spread(wavelengths);
+    const PreparedScene prepared(of.scene, of.paints, of.materials, sky_for(of, nm), nm);
+    RenderSettings settings;
+    settings.max_depth = of.max_depth, settings.sky_table = false;
+    settings.width = kWidth, settings.height = kHeight, settings.spp = kSpp;
+    for (const double begin = now(); now() - begin < 10;)
+        render(prepared, of.scene.cameras.at(0), settings);
+}
+
 int main(int argc, char** argv) {
-    if (argc < 3 || argc > 4) {
-        std::fprintf(stderr, "usage: malus-benchmark SCENE MATERIALS [THREADS]\n");
+    const bool profiled = argc == 5 && argv[1] == std::string_view("--profile");
+    if (!profiled && (argc < 3 || argc > 4)) {
+        std::fprintf(
+            stderr,
+            "usage: malus-benchmark SCENE MATERIALS [THREADS]\n"
+            "       malus-benchmark --profile MATERIALS relief|canyon|bumps WAVELENGTHS\n");
         return 2;
+    }
+    if (profiled) {
+        const std::string_view name = argv[3];
+        const std::vector<Material> materials = read_materials(argv[2]).materials;
+        render_again(name == "relief"   ? relief_scene(materials)
+                     : name == "canyon" ? canyon_scene(materials)
+                                        : bumps_scene(),
+                     static_cast<std::size_t>(std::max(1, std::atoi(argv[4]))));
+        return 0;
     }
     try {
         const int threads = argc == 4 ? std::max(1, std::atoi(argv[3]))

@@ -1,7 +1,7 @@
 // gaussian.h — the normal distribution's functions, for doubles and for registers of them.
 //
-// Error   gauss_tail: erfc to 4e-11 of itself for |x| ≤ 10. gaussian_slope: the density that the
-//         slopes really have differs from e^{−y²}/√π by 1e-6 of itself.
+// Error   gauss_tail: erfc to 4e-11 of itself for |x| ≤ 10. gaussian_slope: the share of slopes
+//         below y to 1e-6 of itself or of the rest, but for the outermost millionths.
 // Source  erfcx(x) = e^{x²} erfc(x) is a polynomial in (x − 2.5)/(x + 2.5), fitted at Chebyshev points
 //         (the map is Schonfelder's, Math. Comp. 32, 1232 (1978)); erf⁻¹ by Giles, Approximating the
 //         erfinv function, GPU Computing Gems 2 (2010), table 5.

@@ -80,10 +80,11 @@ std::optional<StoppedBy> SamplingPlan::plan_round(Exposure& exposure) const {
     return plan_adaptively(exposure, least);
 }
 
-// One sample of each replicate, then two, four, … in all pixels.
+// One sample of each replicate, then four, eight, … in all pixels.
 std::optional<StoppedBy> SamplingPlan::plan_evenly(Exposure& exposure, std::uint32_t least) const {
     if (least >= cap_) return StoppedBy::kSamples;
-    const std::uint32_t level = std::min(cap_, least == 0 ? 1 : 2 * std::bit_floor(least));
+    const std::uint32_t level =
+        std::min(cap_, least == 0 ? 1 : std::max(4u, 2 * std::bit_floor(least)));
     for (std::size_t i = 0; i < exposure.pixel_count(); ++i)
         exposure.wanted[i] = std::max(exposure.taken[i], level);
     return std::nullopt;

@@ -3,7 +3,7 @@
 //   e_i = max over wavelengths of max(SE(DoLP), SE(S0)/S0)    error of pixel i (pixel_error, film.h)
 //   s_i = root of the mean of min(e, 3 e_i)² over 3 × 3 pixels, weights 1 2 1 across and down
 //
-// A fixed number of samples is reached in rounds over the whole picture, each of twice the samples.
+// A fixed number of samples is reached in rounds over the whole picture: of each replicate 1, 4, 8, 16, …
 // With a target or a time limit, a round serves the pixels with s_i above a goal, which falls from
 // round to round down to the target, which is met when 95 % of max(e_i, 1.35 s_i) are at or below it.
 // The hardest 2.5 % of the pixels get no more samples than the mean of all.
