@@ -89,11 +89,16 @@ bool PixelExposure::add(std::uint32_t replicate, const float* S, std::size_t str
 }
 
 bool PixelExposure::add_all(const float* S, const float* open) {
+    // As integers, whose largest the compiler finds in vector registers: the sign is the top bit, NaN
+    // and infinity are above all numbers.
+    constexpr auto kSign = std::uint32_t{1} << 31;
     const std::size_t s0 = wavelengths_ * replicates_;
-    bool fit = true;
-    for (std::size_t i = 0; i < s0; ++i) fit &= S[i] >= 0;
-    for (std::size_t i = 0; i < sums_.size(); ++i) fit &= std::abs(S[i]) < kMost;
-    if (!fit) return false;
+    std::uint32_t most_s0 = 0, most = 0;
+    for (std::size_t i = 0; i < s0; ++i)
+        most_s0 = std::max(most_s0, std::bit_cast<std::uint32_t>(S[i]));
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+        most = std::max(most, std::bit_cast<std::uint32_t>(S[i]) & ~kSign);
+    if (most_s0 > kSign || most >= std::bit_cast<std::uint32_t>(kMost)) return false;  // −0 is 0
     for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(S[i]);
     for (std::uint32_t& kept : kept_) ++kept;
     if (!open) return true;

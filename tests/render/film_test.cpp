@@ -72,6 +72,23 @@ TEST_CASE("Film: samples that are not finite or negative are refused and leave n
     CHECK(one.film.samples[0] == 2);
 }
 
+TEST_CASE("Film: a sample of all replicates is taken or left as each by itself would be") {
+    for (float spoiled : {NAN, -NAN, INFINITY, -1e-6f, 3e38f, -1e-40f})
+        for (std::size_t where : {0u, 1u}) {
+            OnePixel one(2);
+            float S[8] = {1, 2, 0.5f, -0.5f, 0, 0, 0, 0};  // [S0..S3][replicate]
+            CHECK(one.pixel.add_all(S));
+            S[where] = spoiled;
+            CHECK_FALSE(one.pixel.add_all(S));
+            CHECK_FALSE(one.add(static_cast<std::uint32_t>(where), spoiled, 0, 0, 0));
+            S[where] = -0.f;
+            S[2 + where] = 0;
+            CHECK(one.pixel.add_all(S));
+            CHECK(one.develop().mean.s0 == Approx(0.5 * (where == 0 ? 0.5 + 2 : 1 + 1)));
+            CHECK(one.film.samples[0] == 4);
+        }
+}
+
 TEST_CASE("Film: rounding never makes light more than fully polarized, and hides nothing larger") {
     // DoP = 1 in float components, whose norms round to either side of S0, at all brightnesses.
     const auto developed = [](float s0, float s1, float s2, float s3) {
