@@ -7,6 +7,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -146,6 +147,18 @@ inline Lanes::batch_bool_type lanes_mask_of(unsigned set) {
         lanewise<Lanes>([&](std::size_t i) { return set >> (i % kSide) & 1 ? 1.f : 0.f; });
     return bit > Lanes(0.5f);
 #endif
+}
+
+/// Calls visit(value, its lanes) for each value among the lanes.
+template <class Visit>
+void for_each_value(const std::array<int, kSide>& values, const Visit& visit) {
+    for (unsigned left = kAllLanes; left;) {
+        const int value = values[static_cast<std::size_t>(std::countr_zero(left))];
+        unsigned same = 0;
+        for (std::size_t i = 0; i < kSide; ++i) same |= (values[i] == value ? 1u : 0u) << i;
+        visit(value, same);
+        left &= ~same;
+    }
 }
 
 }  // namespace malus

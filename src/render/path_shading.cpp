@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/path_tracer.h"
 
-#include <bit>
-
 namespace malus {
 namespace {
 
@@ -92,17 +90,6 @@ Lanes sun_light(const SunDisc& sun, std::size_t p) {
     return lanewise<Lanes>([&](std::size_t i) { return radiance[i < kSide ? 0 : 1]; });
 }
 
-template <class Visit>
-void for_each_surface(const std::array<int, kSide>& surface, const Visit& visit) {
-    for (unsigned left = kAllLanes; left;) {
-        const int first = surface[static_cast<std::size_t>(std::countr_zero(left))];
-        unsigned same = 0;
-        for (std::size_t i = 0; i < kSide; ++i) same |= (surface[i] == first ? 1u : 0u) << i;
-        visit(first, same);
-        left &= ~same;
-    }
-}
-
 Light dark() {
     return {Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
 }
@@ -132,7 +119,7 @@ void PathTracer::shade_level(int depth, Paths& paths) const {
             const float* next = paths.light_of(depth + 1, at.next[i], wavelengths);
             for (std::size_t j = 0; j < rows; ++j) onward[j * kSide + i] = next[j * kSide];
         }
-        for_each_surface(at.surface, [&](int s, unsigned lanes) {
+        for_each_value(at.surface, [&](int s, unsigned lanes) {
             const Surface& surface = scene_.surfaces[static_cast<std::size_t>(s)];
             const Reflector by_onward(surface, at.onward), by_sky(surface, at.sky_sample),
                 by_sun(surface, at.sun_sample);
@@ -190,7 +177,7 @@ void PathTracer::shade_open(Paths& paths) const {
         sky_light(scene_.sky, at.onward_light, wavelengths, onward);
         const auto sky_seen = lanes_mask_of(at.sky_sample_seen),
                    onward_seen = lanes_mask_of(at.onward_seen);
-        for_each_surface(at.surface, [&](int s, unsigned lanes) {
+        for_each_value(at.surface, [&](int s, unsigned lanes) {
             const Surface& surface = scene_.surfaces[static_cast<std::size_t>(s)];
             const Reflector by_sky(surface, at.sky_sample), by_onward(surface, at.onward);
             const auto here = lanes_mask_of(lanes);

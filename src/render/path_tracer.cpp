@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/path_tracer.h"
 
-#include <bit>
-
 namespace malus {
 namespace {
 
@@ -11,18 +9,6 @@ namespace {
 enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kOther1, kOther2 };
 // The last two are the point in the pixel in the first block, and in the next ones the point on the
 // sun's disc for the vertex before.
-
-// Calls visit(surface, lanes) for each surface among lanes.
-template <class Visit>
-void for_each_surface(const std::array<int, kSide>& surface, const Visit& visit) {
-    for (unsigned left = kAllLanes; left;) {
-        const int first = surface[static_cast<std::size_t>(std::countr_zero(left))];
-        unsigned same = 0;
-        for (std::size_t i = 0; i < kSide; ++i) same |= (surface[i] == first ? 1u : 0u) << i;
-        visit(first, same);
-        left &= ~same;
-    }
-}
 
 // Reflections of light from directions, and what is left of them to shade.
 struct Directions {
@@ -226,7 +212,7 @@ void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
     Vec3s onward(Vec3{0, 0, 1});
     const Reals zero(0.0);
     at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = zero;
-    for_each_surface(at.surface, [&](int surface, unsigned lanes) {
+    for_each_value(at.surface, [&](int surface, unsigned lanes) {
         const DirectionSampler& directions =
             scene_.surfaces[static_cast<std::size_t>(surface)].directions();
         if (directions.black()) {
