@@ -81,18 +81,11 @@ void fill_ray(RTCRay& ray, const Vec3f& origin, const Vec3f& direction) {
 class FloatRays {
   public:
     explicit FloatRays(const RayOf<Reals>& rays)
-        : x_(stored(rays.origin.x)),
-          y_(stored(rays.origin.y)),
-          z_(stored(rays.origin.z)),
-          dx_(stored(rays.direction.x)),
-          dy_(stored(rays.direction.y)),
-          dz_(stored(rays.direction.z)) {}
+        : origins_(stored(rays.origin)), directions_(stored(rays.direction)) {}
     // Debian's Embree has its assertions on: a NaN would end the process.
-    bool finite(std::size_t i) const { return is_finite(origin(i)) && is_finite(direction(i)); }
-    Vec3 origin(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
-    Vec3 direction(std::size_t i) const { return {dx_[i], dy_[i], dz_[i]}; }
+    bool finite(std::size_t i) const { return is_finite(origins_[i]) && is_finite(directions_[i]); }
     void fill(RTCRay& ray, std::size_t i) const {
-        fill_ray(ray, Vec3f(origin(i)), Vec3f(direction(i)));
+        fill_ray(ray, Vec3f(origins_[i]), Vec3f(directions_[i]));
     }
     // A packet of those in `active`; −1 where one is to be followed.
     template <class Packet>
@@ -111,7 +104,7 @@ class FloatRays {
     }
 
   private:
-    alignas(64) std::array<double, kSide> x_, y_, z_, dx_, dy_, dz_;
+    std::array<Vec3, kSide> origins_, directions_;
 };
 
 #if RTC_VERSION_MAJOR >= 4
@@ -397,13 +390,8 @@ Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) c
                  impl_->reach_of(at)};
         any_smooth |= of[i].smooth != Vec3{};
     }
-    const auto vectors = [&](const auto& read) {
-        return Vec3s{lanewise<Reals>([&](std::size_t i) { return read(of[i]).x; }),
-                     lanewise<Reals>([&](std::size_t i) { return read(of[i]).y; }),
-                     lanewise<Reals>([&](std::size_t i) { return read(of[i]).z; })};
-    };
     const auto corner = [&](std::size_t c) {
-        return vectors([c](const Corners& x) -> const Vec3& { return x.p[c]; });
+        return vectors([&, c](std::size_t i) { return of[i].p[c]; });
     };
     const Vec3s p0 = corner(0), p1 = corner(1), p2 = corner(2);
     const Reals u = lanewise<Reals>([&](std::size_t i) { return met[i].u; });
@@ -423,7 +411,7 @@ Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) c
     hit.n = hit.ng;
     if (!any_smooth) return hit;
 
-    const Vec3s smooth = vectors([](const Corners& x) -> const Vec3& { return x.smooth; });
+    const Vec3s smooth = vectors([&](std::size_t i) { return of[i].smooth; });
     const Reals norm = length(smooth);
     const auto some = norm > zero;
     const Vec3s n = smooth / select(some, select(dot(smooth, hit.ng) < zero, -norm, norm), one);

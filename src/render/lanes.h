@@ -77,6 +77,21 @@ auto stored(const T& x) {
     }
 }
 
+inline std::array<Vec3, kSide> stored(const Vec3s& v) {
+    const auto x = stored(v.x), y = stored(v.y), z = stored(v.z);
+    std::array<Vec3, kSide> all;
+    for (std::size_t i = 0; i < kSide; ++i) all[i] = {x[i], y[i], z[i]};
+    return all;
+}
+
+/// Vectors of read(lane).
+template <class Read>
+Vec3s vectors(const Read& read) {
+    return {lanewise<Reals>([&](std::size_t i) { return read(i).x; }),
+            lanewise<Reals>([&](std::size_t i) { return read(i).y; }),
+            lanewise<Reals>([&](std::size_t i) { return read(i).z; })};
+}
+
 /// The lanes for which it holds, as bits.
 inline unsigned bits(const Mask& mask) {
 #if defined(__AVX512F__)

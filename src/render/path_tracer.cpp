@@ -47,21 +47,6 @@ Reals approach(Rays& rays, double radius) {
     return skipped;
 }
 
-std::array<Vec3, kSide> stored(const Vec3s& v) {
-    const auto x = malus::stored(v.x), y = malus::stored(v.y), z = malus::stored(v.z);
-    std::array<Vec3, kSide> all;
-    for (std::size_t i = 0; i < kSide; ++i) all[i] = {x[i], y[i], z[i]};
-    return all;
-}
-
-// Vectors of read(lane).
-template <class Read>
-Vec3s vectors(const Read& read) {
-    return {lanewise<Reals>([&](std::size_t i) { return read(i).x; }),
-            lanewise<Reals>([&](std::size_t i) { return read(i).y; }),
-            lanewise<Reals>([&](std::size_t i) { return read(i).z; })};
-}
-
 }  // namespace
 
 // Vertices while directions are drawn at them.
@@ -133,7 +118,7 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
         const auto u = points<kOther1, 2>(paths.places(path, 0));
         Rays rays = picture_.ray<Reals>(Reals(pixel_x) + u[0], Reals(pixel_y) + u[1]);
         rays.origin = rays.origin - Vec3s(scene_.accel.center());
-        const auto skipped = malus::stored(approach(rays, scene_.accel.radius()));
+        const auto skipped = stored(approach(rays, scene_.accel.radius()));
         const BeamFrames frame = image_frame(camera_, -rays.direction);
 
         paths.count(rays, lanes, RayKind::kFirstHit);

@@ -33,12 +33,11 @@ std::array<int, kSide> Paths::arrive(int depth, unsigned hit,
     place.fill(-1);
     if (!hit) return place;
     std::vector<Arrival>& arrivals = level(depth).arrivals;
-    const auto x = stored(direction.x), y = stored(direction.y), z = stored(direction.z);
-    const auto tx = stored(toward_x.x), ty = stored(toward_x.y), tz = stored(toward_x.z);
+    const auto directions = stored(direction), toward = stored(toward_x);
     for (std::size_t i = 0; i < kSide; ++i) {
         if (!(hit >> i & 1)) continue;
         place[i] = static_cast<int>(arrivals.size());
-        arrivals.push_back({{x[i], y[i], z[i]}, {tx[i], ty[i], tz[i]}, met[i], path[i]});
+        arrivals.push_back({directions[i], toward[i], met[i], path[i]});
     }
     return place;
 }
@@ -68,12 +67,9 @@ PointPlaces Paths::places(const std::array<std::uint32_t, kSide>& path, std::uin
 void Paths::count(const Rays& traced, unsigned active, RayKind kind) {
     rays += static_cast<std::uint64_t>(std::popcount(active));
     if (!log) return;
-    const auto x = stored(traced.origin.x), y = stored(traced.origin.y),
-               z = stored(traced.origin.z);
-    const auto dx = stored(traced.direction.x), dy = stored(traced.direction.y),
-               dz = stored(traced.direction.z);
+    const auto origins = stored(traced.origin), directions = stored(traced.direction);
     for (std::size_t i = 0; i < kSide; ++i)
-        if (active >> i & 1) log->push_back({{{x[i], y[i], z[i]}, {dx[i], dy[i], dz[i]}}, kind});
+        if (active >> i & 1) log->push_back({{origins[i], directions[i]}, kind});
 }
 
 const float* Paths::light_of(int depth, int place, std::size_t wavelengths) const {

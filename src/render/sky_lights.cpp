@@ -26,9 +26,9 @@ SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted) {
     if (sky.grid()) {
         look_up(*sky.grid(), p, wanted, lights.at);
     } else {
-        const auto x = stored(up.x), y = stored(up.y), z = stored(up.z);
+        const auto directions = stored(up);
         for (std::size_t i = 0; i < kSide; ++i)
-            lights.at[i] = wanted >> i & 1 ? sky.dome().locate({x[i], y[i], z[i]}) : SkyLookup{};
+            lights.at[i] = wanted >> i & 1 ? sky.dome().locate(directions[i]) : SkyLookup{};
     }
     const auto t = stored(p.t), azimuth = stored(p.azimuth);
     lights.pdf = lanewise<Reals>([&](std::size_t i) {
@@ -49,9 +49,9 @@ SkySamples sample_sky(const SkyEmitter& sky, const Reals& u1, const Reals& u2) {
     if (sky.grid()) {
         look_up(*sky.grid(), p, kAllLanes, samples.lights.at);
     } else {
-        const auto x = stored(samples.w.x), y = stored(samples.w.y), z = stored(samples.w.z);
+        const auto directions = stored(samples.w);
         for (std::size_t i = 0; i < kSide; ++i)
-            samples.lights.at[i] = sky.dome().locate({x[i], y[i], z[i]});
+            samples.lights.at[i] = sky.dome().locate(directions[i]);
     }
     return samples;
 }

@@ -3,7 +3,9 @@
 #include "render/gaussian.h"
 #include "render/lanes.h"
 #include "render/points.h"
+#include "render/sky_lights.h"
 #include "support/catch.h"
+#include "support/fixtures.h"
 #include "support/statistics.h"
 
 using namespace malus;
@@ -104,4 +106,35 @@ TEST_CASE("Registers: points are those of each lane's own sampler") {
                 for (std::size_t d = 0; d < 2; ++d) CHECK(lane(last[d], i) == expected[5 + d]);
             }
         }
+}
+
+TEST_CASE("Registers: the sky is drawn and located as one direction by itself is") {
+    // Of a grid, and of the map itself beside a sharp surface; one direction in four below the horizon.
+    const Sky map = sample_sky(smooth_sky(37), {550}, 12, 24);
+    const std::vector<double> nm{550};
+    for (double slope : {0.3, 1e-3}) {
+        const SkyEmitter sky(map, nm, slope);
+        Uniform u(9);
+        for (int n = 0; n < 500; ++n) {
+            const Reals a = lanewise<Reals>([&](std::size_t) { return u(); });
+            const Reals b = lanewise<Reals>([&](std::size_t) { return u(); });
+            const SkySamples drawn = sample_sky(sky, a, b);
+            const Vec3s w = vectors([&](std::size_t i) {
+                const double y = 1 - 4.0 / 3 * lane(a, i), r = std::sqrt(1 - y * y);
+                return Vec3{r * std::cos(7 * lane(b, i)), y, r * std::sin(7 * lane(b, i))};
+            });
+            const SkyLights found = locate(sky, w, kAllLanes);
+            for (std::size_t i = 0; i < kSide; ++i) {
+                const LightSample one = sky.sample(lane(a, i), lane(b, i));
+                CHECK(length(stored(drawn.w)[i] - one.w) < 1e-12);
+                CHECK(lane(drawn.lights.pdf, i) == one.light.pdf);
+                const LightLookup there = sky.locate(stored(w)[i]);
+                CHECK(lane(found.pdf, i) == there.pdf);
+                CHECK(light_at(sky, found.at[i], 0).s1 ==
+                      near(light_at(sky, there.at, 0).s1, 1e-6));
+                CHECK(light_at(sky, drawn.lights.at[i], 0).s2 ==
+                      near(light_at(sky, one.light.at, 0).s2, 1e-6));
+            }
+        }
+    }
 }
