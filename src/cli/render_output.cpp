@@ -56,6 +56,13 @@ std::string why_stopped(StoppedBy why) {
     return {};
 }
 
+// For each of the header's nodeNames the place of its parent in that list; 0 is none.
+std::vector<std::string> node_parents(const Scene& scene) {
+    std::vector<std::string> places{"0"};
+    for (const Node& node : scene.nodes) places.push_back(std::to_string(node.parent + 1));
+    return places;
+}
+
 }  // namespace
 
 std::string samples_text(const Film& film) {
@@ -99,6 +106,7 @@ Image make_header(const RenderOptions& options, const Inputs& inputs,
     header.attributes["samplesPerPixel"] = static_cast<int>(settings.spp);
     header.attributes["maxDepth"] = settings.max_depth;
     header.attributes["skyTable"] = settings.sky_table ? 1 : 0;
+    header.attributes["nodeParents"] = node_parents(inputs.scene);
     add_fingerprints(header, inputs);
     return header;
 }
