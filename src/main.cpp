@@ -62,12 +62,13 @@ int run(int argc, char** argv) {
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
     malus::cli::add_merge(app, malus::cli::command_line(argc, argv));
+    malus::cli::add_report(app);
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {
         std::cerr << "malus: unknown command '" << malus::one_line(argv[1]) << "'"
-                  << malus::suggest(argv[1],
-                                    {"render", "sky", "materials", "preview", "info", "merge"})
+                  << malus::suggest(argv[1], {"render", "sky", "materials", "preview", "info",
+                                              "merge", "report"})
                   << '\n';
         return kUsage;
     }

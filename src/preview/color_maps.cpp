@@ -75,6 +75,11 @@ OkLab sequential(double t) {
     return fit_to_gamut(0.15 + 0.80 * t, 0.155, 280 + 190 * t);
 }
 
+OkLab diverging(double t) {
+    t = std::clamp(t, -1.0, 1.0);
+    return fit_to_gamut(0.97 - 0.42 * std::abs(t), 0.19 * std::abs(t), t > 0 ? 29 : 255);
+}
+
 OkLab cyclic(double aolp_deg, double vividness) {
     // The most chroma that every hue can have at its best common lightness: 0.1258 at L = 0.74.
     return from_lch(0.74, 0.125 * std::clamp(vividness, 0.0, 1.0), 29 + 2 * aolp_deg);

@@ -2,6 +2,7 @@
 //
 //   a = C cos h,  b = C sin h
 //   sequential   L = 0.15 + 0.80 t,   C = 0.155,   h = 280° + 190° t: violet, red, yellow
+//   diverging    L = 0.97 − 0.42 |t|,  C = 0.19 |t|,  h = 29° (red) for t > 0, 255° (blue) for t < 0
 //   cyclic       L = 0.74,  C = 0.125,  h = 29° + 2 AoLP: 0° red, 45° green, 90° cyan, 135° violet
 //
 // Range   L from 0 (black) to 1 (white); hue h in degrees; colours fit the sRGB gamut.
@@ -37,6 +38,9 @@ OkLab fit_to_gamut(double L, double C, double hue_deg);
 
 /// From dark to bright in even steps of lightness for t in [0,1]; t is clipped.
 OkLab sequential(double t);
+
+/// From blue through white to red for t in [−1,1]; t is clipped.
+OkLab diverging(double t);
 
 /// Colour of an angle with period 180°, all equally light. `vividness` 0 is the grey of that
 /// lightness, 1 the full colour.

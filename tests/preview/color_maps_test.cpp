@@ -110,6 +110,20 @@ TEST_CASE("The sRGB curve and its inverse undo each other and halve light at cod
     CHECK(255 * srgb_from_linear(0.5) == near(187.5, 0.1));  // known: 50 % light is 188
 }
 
+TEST_CASE("Diverging map: white between, blue below and red above, alike on both sides", "[unit]") {
+    CHECK(chroma(lab_of(shown(diverging(0)))) < 0.005);
+    CHECK(shown(diverging(1)).r > shown(diverging(1)).b + 100);
+    CHECK(shown(diverging(-1)).b > shown(diverging(-1)).r + 100);
+    for (int i = 1; i <= 20; ++i) {
+        const OkLab red = lab_of(shown(diverging(i / 20.0))),
+                    blue = lab_of(shown(diverging(-i / 20.0)));
+        CHECK(red.L == near(blue.L, 0.01));  // a step of 8 bits
+        CHECK(red.L < lab_of(shown(diverging((i - 1) / 20.0))).L);
+        CHECK(chroma(red) > chroma(lab_of(shown(diverging((i - 1) / 20.0)))));
+    }
+    CHECK(shown(diverging(7)) == shown(diverging(1)));
+}
+
 TEST_CASE("Sequential map: lightness rises in even steps", "[unit]") {
     constexpr int kSteps = 40;
     const double first = lab_of(shown(sequential(0))).L, last = lab_of(shown(sequential(1))).L;
