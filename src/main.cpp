@@ -28,6 +28,13 @@ std::vector<std::string> called(const CLI::App& app, int argc, char** argv) {
     return commands;
 }
 
+// Of all commands.
+std::vector<std::string> names_of(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : app.get_subcommands(nullptr)) names.push_back(sub->get_name());
+    return names;
+}
+
 // Config files: the options of the command that is called, at the top of the file or in a section
 // of the command's name.
 class CommandConfig : public CLI::ConfigTOML {
@@ -63,13 +70,12 @@ int run(int argc, char** argv) {
     malus::cli::add_info(app);
     malus::cli::add_merge(app, malus::cli::command_line(argc, argv));
     malus::cli::add_report(app);
+    malus::cli::add_hist(app);
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {
         std::cerr << "malus: unknown command '" << malus::one_line(argv[1]) << "'"
-                  << malus::suggest(argv[1], {"render", "sky", "materials", "preview", "info",
-                                              "merge", "report"})
-                  << '\n';
+                  << malus::suggest(argv[1], names_of(app)) << '\n';
         return kUsage;
     }
     try {

@@ -20,6 +20,7 @@ void add_preview(CLI::App& app);
 void add_info(CLI::App& app);
 void add_merge(CLI::App& app, const std::string& command_line);
 void add_report(CLI::App& app);
+void add_hist(CLI::App& app);
 
 /// Replaces this process by malus-preview, which stands beside malus or on the PATH; argv[0] is
 /// "preview". Throws Error if it cannot be found.

@@ -47,8 +47,9 @@ class Exr {
 }  // namespace
 
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
-    for (const char* command : {"", "render", "sky", "sky make", "sky info", "sky import",
-                                "materials", "materials check", "info", "preview", "merge"}) {
+    for (const char* command :
+         {"", "render", "sky", "sky make", "sky info", "sky import", "materials", "materials check",
+          "info", "preview", "merge", "hist"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
