@@ -32,7 +32,7 @@ constexpr std::size_t kLargestPage = 512u << 20;  // bytes; what browsers still 
 
 struct ReportOptions {
     std::vector<std::string> images;
-    std::string output, title, intro;
+    std::string output, title, intro, appendix;
     std::vector<double> wavelengths_nm;
     bool quiet = false;
 };
@@ -153,15 +153,24 @@ void replace_all(std::string& text, const std::string& place, const std::string&
         text.replace(at, place.size(), by);
 }
 
+// Of a place that the page has once; what is put there is not searched.
+void replace_one(std::string& page, const std::string& place, const std::string& by) {
+    page.replace(page.find(place), place.size(), by);
+}
+
+std::string text_of(const std::string& file) {
+    return file.empty() ? "" : read_text(file);
+}
+
 std::string page_of(const ReportOptions& options, const json& data) {
     std::string page = kPage;
     replace_all(page, "TITLE_TEXT", html_text(options.title));
-    replace_all(page, "<!--INTRO-->", options.intro.empty() ? "" : read_text(options.intro));
     // No "</script>" inside a string may end the script.
     std::string text = data.dump(-1, ' ', false, json::error_handler_t::replace);
     replace_all(text, "<", "\\u003c");
-    const std::string place = "DATA_JSON";
-    page.replace(page.rfind(place), place.size(), text);
+    replace_one(page, "DATA_JSON", text);
+    replace_one(page, "<!--APPENDIX-->", text_of(options.appendix));
+    replace_one(page, "<!--INTRO-->", text_of(options.intro));
     return page;
 }
 
@@ -175,7 +184,8 @@ void report(ReportOptions options) {
     options.title = one_line(options.title);
     check_writable(options.output);
     std::vector<fs::path> inputs(options.images.begin(), options.images.end());
-    if (!options.intro.empty()) inputs.push_back(options.intro);
+    for (const std::string& file : {options.intro, options.appendix})
+        if (!file.empty()) inputs.push_back(file);
     check_distinct(options.output, inputs);
     json data{{"colors", color_tables()}, {"images", json::array()}};
     std::size_t bytes = 0;
@@ -220,6 +230,7 @@ void add_report(CLI::App& app) {
     sub->add_option("--title", options->title, "Heading of the page [the first image's name]");
     sub->add_option("--intro", options->intro,
                     "File with HTML to put between heading and images (pictures as data: URIs)");
+    sub->add_option("--appendix", options->appendix, "File with HTML to put after the images");
     sub->add_flag("--quiet", options->quiet, "No closing line");
     sub->callback([options] { report(*options); });
 }
