@@ -6,30 +6,14 @@
 #include <iostream>
 
 #include "cli/commands.h"
+#include "cli/paints.h"
 #include "malus/core/error.h"
 #include "malus/io/gltf.h"
-#include "malus/io/material_file.h"
 #include "malus/io/sky_file.h"
 #include "malus/optics/wavelengths.h"
 
 namespace malus::cli {
 namespace {
-
-std::vector<Material> read_all_materials(const RenderOptions& options) {
-    std::vector<Material> all;
-    for (const std::string& path : options.materials) {
-        MaterialFile file = read_materials(path);
-        for (const std::string& warning : file.warnings) warn(options, warning);
-        for (Material& material : file.materials) {
-            for (const Material& other : all)
-                if (other.name == material.name)
-                    throw Error(material.place + ": a material of this name stands in " +
-                                other.place + " too; rename one");
-            all.push_back(std::move(material));
-        }
-    }
-    return all;
-}
 
 std::vector<PaintRule> parse_rules(const std::vector<std::string>& texts) {
     std::vector<PaintRule> rules;
@@ -74,17 +58,8 @@ void tell_interpolation(const RenderOptions& options, const std::vector<Material
                         const std::vector<int>& paints, const std::vector<double>& wavelengths) {
     for (std::size_t m = 0; m < materials.size(); ++m) {
         if (std::find(paints.begin(), paints.end(), static_cast<int>(m)) == paints.end()) continue;
-        std::vector<double> between;
-        for (double nm : wavelengths)
-            if (materials[m].covers(nm) &&
-                std::none_of(materials[m].rows.begin(), materials[m].rows.end(),
-                             [&](const MaterialRow& row) {
-                                 return std::abs(row.wavelength_nm - nm) < kSameWavelength_nm;
-                             }))
-                between.push_back(nm);
-        if (!between.empty())
-            warn(options, materials[m].place + ": parameters at " + to_text(between) +
-                              " nm are interpolated linearly between rows");
+        const std::string note = interpolation_note(materials[m], wavelengths);
+        if (!note.empty()) warn(options, note);
     }
 }
 
@@ -156,7 +131,9 @@ std::string view_text(const RenderOptions& options) {
 
 Inputs read_inputs(const RenderOptions& options) {
     Inputs in;
-    in.materials = read_all_materials(options);
+    MaterialFile paints = read_paints(options.materials);
+    for (const std::string& warning : paints.warnings) warn(options, warning);
+    in.materials = std::move(paints.materials);
     in.sky = read_sky(options.sky);
     in.scene = read_gltf(options.scene);
     for (const std::string& warning : in.sky.warnings) warn(options, warning);
