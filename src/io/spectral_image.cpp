@@ -15,12 +15,6 @@
 namespace malus {
 namespace {
 
-// The angle in degrees as a float that stays below 180 when rounded.
-double aolp_degrees(const Stokes<double>& S) {
-    const double degrees = to_degrees(aolp(S));
-    return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
-}
-
 struct Quantity {
     const char* name;
     double (*of)(const PixelStokes&);
@@ -94,6 +88,11 @@ void fill_ids(Image& image, const std::string& channel, const std::string& attri
 }
 
 }  // namespace
+
+double aolp_degrees(const Stokes<double>& S) {
+    const double degrees = to_degrees(aolp(S));
+    return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
+}
 
 std::string spectral_channel(const std::string& quantity, double wavelength_nm) {
     std::array<char, 48> text;
