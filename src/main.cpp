@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
     malus::cli::add_render(app, malus::cli::command_line(argc, argv));
     malus::cli::add_sky(app, malus::cli::command_line(argc, argv));
     malus::cli::add_materials(app);
+    malus::cli::add_brdf(app, malus::cli::command_line(argc, argv));
     malus::cli::add_preview(app);
     malus::cli::add_info(app);
     malus::cli::add_merge(app, malus::cli::command_line(argc, argv));

@@ -18,6 +18,7 @@ void add_sky_import(CLI::App& sky, const std::string& command_line);
 void add_materials(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_info(CLI::App& app);
+void add_brdf(CLI::App& app, const std::string& command_line);
 void add_merge(CLI::App& app, const std::string& command_line);
 void add_report(CLI::App& app);
 void add_hist(CLI::App& app);

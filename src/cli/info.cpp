@@ -107,7 +107,7 @@ void describe_image(const std::string& path, const Image& image) {
         const double s0 = surface_mean(image, "S0", nm);
         std::printf("  %s nm: mean S0 %.4g", to_text(nm).c_str(), s0);
         // Of the mean Stokes vector: noise would add to a mean of DoLPs.
-        if (s0 > 0 && image.channels.count(spectral_channel("DoLP", nm)))
+        if (s0 > 0 && image.channels.count(spectral_channel("StdErr_DoLP", nm)))
             std::printf(
                 ", its DoLP %.4g, a pixel's standard errors %.2g and %.2g on average",
                 std::hypot(surface_mean(image, "S1", nm), surface_mean(image, "S2", nm)) / s0,

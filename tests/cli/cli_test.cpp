@@ -49,7 +49,7 @@ class Exr {
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
     for (const char* command :
          {"", "render", "sky", "sky make", "sky info", "sky import", "materials", "materials check",
-          "info", "preview", "merge", "hist"}) {
+          "info", "preview", "merge", "hist", "report", "brdf"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
