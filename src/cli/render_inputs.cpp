@@ -141,6 +141,7 @@ Inputs read_inputs(const RenderOptions& options) {
     in.paints = assign_paints(in.scene, parse_rules(options.assign), in.materials);
     in.wavelengths_nm = choose_wavelengths(options, in.sky, in.materials, in.paints);
     tell_interpolation(options, in.materials, in.paints, in.wavelengths_nm);
+    in.declared_sun = in.sky.sun;
     if (options.no_sun) in.sky.sun.reset();
     in.camera = choose_camera(in.scene, options);
     in.labels = make_labels(in.scene, in.materials, in.paints);

@@ -32,6 +32,7 @@ struct RenderOptions {
 struct Inputs {
     std::vector<Material> materials;
     Sky sky;
+    std::optional<Sun> declared_sun;  ///< of the sky map, even if its disc is left out
     Scene scene;
     std::vector<int> paints;
     std::vector<double> wavelengths_nm;

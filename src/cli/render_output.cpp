@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/provenance.h"
 #include "malus/core/error.h"
+#include "malus/core/frame.h"
 #include "malus/io/exposure_file.h"
 #include "malus/optics/wavelengths.h"
 
@@ -63,6 +64,20 @@ std::vector<std::string> node_parents(const Scene& scene) {
     return places;
 }
 
+// Where the sun stands and from where the middle of the picture is seen, degrees.
+void add_geometry(Image& header, const Inputs& inputs) {
+    const auto set = [&](const char* name, double radians) {
+        header.attributes[name] = static_cast<float>(to_degrees(radians));
+    };
+    if (inputs.declared_sun) {
+        set("sunZenith", inputs.declared_sun->zenith);
+        set("sunAzimuth", inputs.declared_sun->azimuth);
+    }
+    const Vec3 to_detector = -inputs.camera.forward;
+    set("viewZenith", zenith_of(to_detector));
+    set("viewAzimuth", azimuth_of(to_detector));
+}
+
 }  // namespace
 
 std::string samples_text(const Film& film) {
@@ -107,6 +122,7 @@ Image make_header(const RenderOptions& options, const Inputs& inputs,
     header.attributes["maxDepth"] = settings.max_depth;
     header.attributes["skyTable"] = settings.sky_table ? 1 : 0;
     header.attributes["nodeParents"] = node_parents(inputs.scene);
+    add_geometry(header, inputs);
     add_fingerprints(header, inputs);
     return header;
 }

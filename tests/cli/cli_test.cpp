@@ -103,6 +103,9 @@ TEST_CASE("Render: an image with every channel and attribute of the format", "[c
     CHECK_THAT(*exr.text("commandLine"), Contains("--seed 5") && Contains("an image.exr"));
     CHECK(*exr.text("seed") == "5");
     CHECK(exr.number("wallTime") != nullptr);
+    CHECK(*exr.number("sunZenith") == 60);
+    CHECK(*exr.number("sunAzimuth") == 135);
+    CHECK(exr.number("viewZenith") != nullptr);
     CHECK(exr.text("stokesReferenceFrame") != nullptr);
     const std::string stats = read_text(folder / "stats.json");
     for (const char* key : {"version",
