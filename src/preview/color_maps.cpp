@@ -1,4 +1,4 @@
-// color_maps.cpp — OKLab to sRGB, and the two maps.
+// color_maps.cpp — OKLab to sRGB, and the maps.
 // SPDX-License-Identifier: Apache-2.0
 #include "preview/color_maps.h"
 
@@ -75,14 +75,20 @@ OkLab sequential(double t) {
     return fit_to_gamut(0.15 + 0.80 * t, 0.155, 280 + 190 * t);
 }
 
-OkLab diverging(double t) {
-    t = std::clamp(t, -1.0, 1.0);
-    return fit_to_gamut(0.97 - 0.42 * std::abs(t), 0.19 * std::abs(t), t > 0 ? 29 : 255);
-}
-
 OkLab cyclic(double aolp_deg, double vividness) {
     // The most chroma that every hue can have at its best common lightness: 0.1258 at L = 0.74.
     return from_lch(0.74, 0.125 * std::clamp(vividness, 0.0, 1.0), 29 + 2 * aolp_deg);
+}
+
+OkLab diverging(double t) {
+    t = std::clamp(t, -1.0, 1.0);
+    return fit_to_gamut(0.97 - 0.42 * std::abs(t), 0.19 * std::abs(t), t < 0 ? 260 : 29);
+}
+
+OkLab combined(double aolp_deg, double strength, double lightness) {
+    const double p = std::clamp(strength, 0.0, 1.0), l = std::clamp(lightness, 0.0, 1.0);
+    // Between L = 0.59 and 0.80 every hue can have a chroma of 0.1.
+    return from_lch(0.97 * (1 - p) * l + p * (0.59 + 0.21 * l), 0.1 * p, 29 + 2 * aolp_deg);
 }
 
 double vividness(double stderr_aolp_deg, double dolp, double stderr_dolp) {

@@ -119,6 +119,8 @@ Layers dome_layers(const SkyDome& dome, std::size_t wavelength, double wavelengt
             layers.s0.push_back(static_cast<float>(S.s0));
             layers.dolp.push_back(static_cast<float>(dolp(S)));
             layers.aolp_deg.push_back(static_cast<float>(to_degrees(aolp(S))));
+            layers.s1_s0.push_back(static_cast<float>(S.s0 > 0 ? S.s1 / S.s0 : 0));
+            layers.s2_s0.push_back(static_cast<float>(S.s0 > 0 ? S.s2 / S.s0 : 0));
             const bool up = distance(place, center(view)) <= view.radius;
             layers.coverage.push_back(up ? 1.0f : 0.0f);
         }

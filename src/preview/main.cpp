@@ -1,4 +1,4 @@
-// main.cpp — malus-preview: PNG pictures of S0, DoLP and AoLP of an image or of the sky.
+// main.cpp — malus-preview: PNG pictures of an image or of the sky, and a sheet of all.
 //
 // Called as `malus preview FILE …`: an image EXR, or a sky map as EXR (in the frame "meridian") or
 // CSV, which is drawn as a dome (dome.h).
@@ -7,9 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <optional>
 #include <span>
 
 #include "malus/core/error.h"
@@ -34,8 +36,9 @@ constexpr int kFailed = 1, kUsage = 2;
 struct Options {
     std::string input, output;
     std::vector<double> wavelengths_nm;
-    double upper_dolp = 1;
-    bool log = false;
+    std::optional<double> upper_dolp;
+    std::vector<std::string> panels;  ///< none: all
+    bool log = false, errors = false;
 };
 
 /// Where pictures go: all of them into a folder, or the sheet alone into a file.
@@ -103,26 +106,60 @@ std::string size_note(const Image& image, const Picture& shown) {
     if (shown.width > image.width)
         return size + ", enlarged " + std::to_string(shown.width / image.width) + " times";
     if (shown.width < image.width || shown.height < image.height)
-        return size + ", reduced to " + size_text(shown.width, shown.height);
+        return size + ", means over squares: " + size_text(shown.width, shown.height);
     return size;
 }
 
-std::vector<Panel> make_panels(const Layers& layers, const Options& options) {
-    return {s0_panel(layers, options.log ? GreyScale::kLog : GreyScale::kLinear),
-            dolp_panel(layers, options.upper_dolp), aolp_panel(layers)};
+// Where the sun stood and from where the target is seen, as far as the header knows.
+std::string geometry_note(const Image& image) {
+    const auto place = [&](const std::string& what, const std::string& of) {
+        const float *zenith = image.number(of + "Zenith"), *azimuth = image.number(of + "Azimuth");
+        if (!zenith || !azimuth) return std::string();
+        return "; " + what + " zenith angle " + to_text(std::round(10.0 * *zenith) / 10) +
+               "^o, azimuth " + to_text(std::round(10.0 * *azimuth) / 10) + "^o";
+    };
+    return place("sun at", "sun") + place("seen from", "view");
 }
 
-// Writes a wavelength's panels one by one, where that is wanted; returns them in the sheet's size.
-std::vector<Panel> saved(std::vector<Panel> panels, double wavelength_nm, const Options& options,
-                         const Destination& to) {
+/// A wavelength's panels.
+struct PanelSet {
+    std::vector<Panel> panels, errors;
+};
+
+PanelSet make_panels(const Layers& layers, const Scales& scales, const Options& options) {
+    PanelSet all{
+        {s0_panel(layers, scales), dolp_panel(layers, scales), aolp_panel(layers),
+         s1_panel(layers, scales), s2_panel(layers, scales), combined_panel(layers, scales)},
+        {}};
+    const std::vector<std::string>& asked = options.panels;
+    if (!asked.empty())
+        std::erase_if(all.panels, [&](const Panel& panel) {
+            return std::find(asked.begin(), asked.end(), panel.quantity) == asked.end();
+        });
+    if (asked.empty() || options.errors) all.errors = error_panels(layers, scales);
+    return all;
+}
+
+Scales scales_for(const Layers& layers, const Options& options) {
+    Scales scales =
+        scales_of(layers, options.log ? GreyScale::kLog : GreyScale::kLinear, options.upper_dolp);
+    scales.sequential = color_table("inferno");
+    return scales;
+}
+
+void save_panels(const std::vector<Panel>& panels, double wavelength_nm, const Options& options,
+                 const Destination& to) {
+    if (to.sheet_only) return;
     const std::string stem = fs::path(options.input).stem().string();
-    for (Panel& panel : panels) {
-        const std::string name =
-            stem + "_" + panel.quantity + "_" + to_text(wavelength_nm) + "nm.png";
-        if (!to.sheet_only) save(to.folder / name, panel.picture, panel.description);
-        panel.picture = fit_to_sheet(panel.picture);
-    }
-    return panels;
+    for (const Panel& panel : panels)
+        save(to.folder / (stem + "_" + panel.quantity + "_" + to_text(wavelength_nm) + "nm.png"),
+             panel.picture, panel.description);
+}
+
+// The rows of a sheet that show them.
+void add_rows(std::vector<std::vector<Panel>>& rows, PanelSet set, const Options& options) {
+    rows.push_back(std::move(set.panels));
+    if (options.errors && !set.errors.empty()) rows.push_back(std::move(set.errors));
 }
 
 Font font_or_note() {
@@ -138,8 +175,7 @@ void save_sheet(const std::string& subheading, const std::vector<std::vector<Pan
                 const Destination& to, const Font& font) {
     const std::string heading = one_line(fs::path(options.input).filename().string(), 70);
     save(to.sheet, make_sheet(heading, subheading, rows, font),
-         "S0, DoLP and AoLP side by side at " + to_text(wavelengths_nm) +
-             " nm, with scales and units");
+         "side by side at " + to_text(wavelengths_nm) + " nm, with scales and units");
 }
 
 void preview_image(const Image& image, const Options& options) {
@@ -153,10 +189,19 @@ void preview_image(const Image& image, const Options& options) {
     }
     const Destination to = destination(options);
     std::vector<std::vector<Panel>> rows;
-    for (const Layers& at : layers)
-        rows.push_back(saved(make_panels(at, options), at.wavelength_nm, options, to));
-    save_sheet(size_note(image, rows.front().front().picture), rows, wavelengths_nm, options, to,
-               font_or_note());
+    const int times = reduction_for_sheet(image.width, image.height);
+    for (const Layers& at : layers) {
+        const Scales scales = scales_for(at, options);
+        PanelSet set = make_panels(at, scales, options);
+        save_panels(set.panels, at.wavelength_nm, options, to);
+        save_panels(set.errors, at.wavelength_nm, options, to);
+        if (times > 1) set = make_panels(reduced(at, times), scales, options);
+        add_rows(rows, std::move(set), options);
+    }
+    for (std::vector<Panel>& row : rows)
+        for (Panel& panel : row) panel.picture = fit_to_sheet(panel.picture);
+    save_sheet(size_note(image, rows.front().front().picture) + geometry_note(image), rows,
+               wavelengths_nm, options, to, font_or_note());
 }
 
 void preview_sky(const Sky& sky, const Options& options) {
@@ -173,10 +218,11 @@ void preview_sky(const Sky& sky, const Options& options) {
     std::vector<std::vector<Panel>> rows;
     for (std::size_t w = 0; w < wavelengths_nm.size(); ++w) {
         const DomeView view;
-        std::vector<Panel> panels =
-            make_panels(dome_layers(dome, w, wavelengths_nm[w], view), options);
-        mark_dome(panels, view, sky.sun, dome, w, font);
-        rows.push_back(saved(std::move(panels), wavelengths_nm[w], options, to));
+        const Layers layers = dome_layers(dome, w, wavelengths_nm[w], view);
+        PanelSet set = make_panels(layers, scales_for(layers, options), options);
+        mark_dome(set.panels, view, sky.sun, dome, w, font);
+        save_panels(set.panels, wavelengths_nm[w], options, to);
+        add_rows(rows, std::move(set), options);
     }
     save_sheet(dome_note(sky), rows, wavelengths_nm, options, to, font);
 }
@@ -195,15 +241,29 @@ void run(const Options& options) {
 
 int parse_and_run(int argc, char** argv) {
     CLI::App app{
-        "Make PNG pictures (8-bit sRGB) of an image or sky map: S0, DoLP and AoLP of each "
-        "wavelength, and a sheet of all with scales and units.\n\n"
-        "S0    grey, white at the 99.5th percentile of the pixels that show a surface or sky,\n"
-        "      W m^-2 sr^-1 nm^-1\n"
-        "DoLP  degree of linear polarization, dark (0) to bright\n"
-        "AoLP  angle of linear polarization, hue for 0 to 180 degrees counter-clockwise from "
+        "Make PNG pictures (8-bit sRGB) of an image or sky map, some for each wavelength, and a "
+        "sheet of all with scales, units, sun and view.\n\n"
+        "S0      grey, white at the 99.5th percentile of the pixels that show a surface or sky,\n"
+        "        W m^-2 sr^-1 nm^-1\n"
+        "DoLP    degree of linear polarization, dark (0) to bright (map inferno)\n"
+        "AoLP    angle of linear polarization, hue for 0 to 180 degrees counter-clockwise from "
         "image\n"
-        "      right; grey where its standard error nears 30 degrees or DoLP is below 3 standard\n"
-        "      errors; dark where S0 is 0\n\n"
+        "        right; grey where its standard error nears 30 degrees or DoLP is below 3 "
+        "standard\n"
+        "        errors; dark where S0 is 0\n"
+        "S1_S0   S1/S0, -R (blue) over 0 (white) to R (red): along image right less along image "
+        "up\n"
+        "S2_S0   S2/S0, the same: along 45 less along 135 degrees\n"
+        "combined  hue AoLP, strength of the colour DoLP (full at R), brightness S0, which counts\n"
+        "        the less the stronger the polarization, so that shadows hide none\n"
+        "StdErr_S0, StdErr_DoLP, StdErr_AoLP  standard errors, S0's divided by S0, dark (small) "
+        "to\n"
+        "        bright (nothing known), logarithmic; if the image has them\n\n"
+        "R is the 99.5th percentile of sqrt(S1^2 + S2^2)/S0, rounded up, or --range; each "
+        "picture's\n"
+        "line and legend state it. Sheets of more than 640 x 800 pixels a picture show means of "
+        "the\n"
+        "Stokes vectors over squares of pixels, and the errors of these means.\n\n"
         "A sky map is drawn as an all-sky camera that looks up sees it: zenith in the middle, "
         "north\n"
         "up, east LEFT (a map of the ground has east right), the horizon a circle, the distance "
@@ -217,7 +277,7 @@ int parse_and_run(int argc, char** argv) {
     Options options;
     app.add_option("file", options.input, "Image, EXR, or sky map, EXR or CSV")->required();
     app.add_option("-o,--output", options.output,
-                   "Folder for NAME_S0_440nm.png, NAME_DoLP_440nm.png, NAME_AoLP_440nm.png … and "
+                   "Folder for NAME_S0_440nm.png, NAME_DoLP_440nm.png, … (the names above) and "
                    "NAME_sheet.png; or a name ending in .png for the sheet alone "
                    "[default: the folder of the file]");
     app.add_option("--wavelengths", options.wavelengths_nm,
@@ -226,11 +286,20 @@ int parse_and_run(int argc, char** argv) {
         ->allow_extra_args(false)
         ->check(CLI::PositiveNumber);
     app.add_option("--range", options.upper_dolp,
-                   "DoLP that has the brightest colour, above 0 and up to 1 (no unit)")
-        ->check(CLI::Range(1e-4, 1.0))
-        ->capture_default_str();
+                   "DoLP that has the brightest colour, and R, above 0 and up to 1 (no unit) "
+                   "[default: 1, and R from the image]")
+        ->check(CLI::Range(1e-4, 1.0));
     app.add_flag("--log", options.log,
                  "S0 on a logarithmic scale of three decades [default: linear]");
+    app.add_option(
+           "--panels", options.panels,
+           "Pictures to make, with commas: S0,DoLP,AoLP,S1_S0,S2_S0,combined [default: all, and "
+           "the errors apart from the sheet]")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"S0", "DoLP", "AoLP", "S1_S0", "S2_S0", "combined"}));
+    app.add_flag("--errors", options.errors,
+                 "Show the errors on the sheet, too, in a second row a wavelength");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& usage) {

@@ -1,12 +1,9 @@
-// picture.cpp — painting, enlarging and reducing pictures.
+// picture.cpp — painting and enlarging pictures.
 // SPDX-License-Identifier: Apache-2.0
 #include "preview/picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "preview/color_maps.h"
 
 namespace malus::preview {
 namespace {
@@ -14,26 +11,6 @@ namespace {
 std::size_t place(const Picture& picture, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
            static_cast<std::size_t>(x);
-}
-
-// The mean of the pixels of `from` that stand in [x0, x1) × [y0, y1).
-Color mean(const Picture& from, int x0, int y0, int x1, int y1) {
-    static const auto light = [] {
-        std::array<double, 256> table;
-        for (std::size_t code = 0; code < table.size(); ++code)
-            table[code] = linear_from_srgb(static_cast<double>(code) / 255);
-        return table;
-    }();
-    LinearRgb sum;
-    for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-            const Color& c = from.at(x, y);
-            sum.r += light[c.r];
-            sum.g += light[c.g];
-            sum.b += light[c.b];
-        }
-    const double n = (x1 - x0) * (y1 - y0);
-    return to_color({sum.r / n, sum.g / n, sum.b / n});
 }
 
 // The pixels that a shape within `reach` of the middle can touch.
@@ -117,16 +94,6 @@ Picture enlarged(const Picture& picture, int times) {
     for (int y = 0; y < large.height; ++y)
         for (int x = 0; x < large.width; ++x) large.at(x, y) = picture.at(x / times, y / times);
     return large;
-}
-
-Picture reduced(const Picture& picture, int times) {
-    Picture small((picture.width + times - 1) / times, (picture.height + times - 1) / times);
-    for (int y = 0; y < small.height; ++y)
-        for (int x = 0; x < small.width; ++x)
-            small.at(x, y) =
-                mean(picture, x * times, y * times, std::min(picture.width, (x + 1) * times),
-                     std::min(picture.height, (y + 1) * times));
-    return small;
 }
 
 }  // namespace malus::preview

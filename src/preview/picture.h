@@ -51,8 +51,4 @@ void paste(Picture& onto, int x, int y, const Picture& from);
 /// Each pixel as a square of `times` × `times`.
 Picture enlarged(const Picture& picture, int times);
 
-/// The mean, linear in light, of each square of `times` × `times`; squares at the edges are
-/// smaller.
-Picture reduced(const Picture& picture, int times);
-
 }  // namespace malus::preview

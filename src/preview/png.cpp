@@ -13,6 +13,7 @@
 
 #include "malus/core/error.h"
 #include "malus/io/file.h"
+#include "preview/color_maps.h"
 
 namespace malus::preview {
 namespace {
@@ -82,6 +83,21 @@ void write_bytes(const std::filesystem::path& path, const Picture& picture) {
 }
 
 }  // namespace
+
+std::vector<Color> color_table(const std::string& map) {
+    constexpr int kColors = 256;
+    std::vector<float> places;
+    for (int i = 0; i < kColors; ++i) places.push_back(static_cast<float>(i) / (kColors - 1));
+    const OIIO::ImageBuf ramp(OIIO::ImageSpec(kColors, 1, 1, OIIO::TypeDesc::FLOAT), places.data());
+    // Its colours are linear in light.
+    const OIIO::ImageBuf colors = OIIO::ImageBufAlgo::color_map(ramp, 0, map);
+    std::vector<Color> table;
+    for (int i = 0; i < kColors; ++i) {
+        const auto light = [&](int channel) { return double{colors.getchannel(i, 0, 0, channel)}; };
+        table.push_back(to_color({light(0), light(1), light(2)}));
+    }
+    return table;
+}
 
 Font find_font() {
     for (const char* name : kFonts) {

@@ -1,13 +1,17 @@
-// png.h — letters on pictures and pictures into PNG files: the one place that knows OpenImageIO.
+// png.h — letters, colour maps and PNG files: the one place that knows OpenImageIO.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "preview/picture.h"
 
 namespace malus::preview {
+
+/// One of OpenImageIO's colour maps, "inferno" for one, as 256 colours from its start to its end.
+std::vector<Color> color_table(const std::string& map);
 
 /// What OpenImageIO knows a font by: a name or a path. Empty: there is none, nothing is drawn.
 struct Font {

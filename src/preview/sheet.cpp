@@ -1,8 +1,8 @@
 // sheet.cpp — where things stand on the page.
 //
 //   heading
-//   title       title       title        ┐
-//   picture     picture     picture      │ one row a wavelength
+//   title       title       title   …    ┐
+//   picture     picture     picture      │ one row a wavelength, or two
 //   bar, ticks, captions    … and wheel  ┘
 //
 // SPDX-License-Identifier: Apache-2.0
@@ -16,7 +16,7 @@ namespace malus::preview {
 namespace {
 
 // The longest caption fits into the least width.
-constexpr int kLeastWidth = 320, kMostWidth = 1024, kMostHeight = 1280;
+constexpr int kLeastWidth = 320, kMostWidth = 640, kMostHeight = 800;
 constexpr Color kInk{35, 35, 35}, kFaintInk{95, 95, 95}, kLine{150, 150, 150};
 
 int divided_up(int a, int b) {
@@ -75,7 +75,8 @@ class Page {
         const int height = m_(14), tick = m_(4);
         outline(x, y, width, height);
         for (int i = 0; i < width; ++i)
-            fill(picture_, x + i, y, 1, height, legend.color((i + 0.5) / width));
+            for (int j = 0; j < height; ++j)
+                picture_.at(x + i, y + j) = legend.color((i + 0.5) / width, 1 - (j + 0.5) / height);
         for (const Tick& t : legend.ticks) {
             const int at = x + static_cast<int>(std::lround(t.at * (width - 1)));
             fill(picture_, at, y + height + 1, std::max(1, m_(1)), tick, kInk);
@@ -86,7 +87,8 @@ class Page {
                   kFaintInk);
     }
 
-    // A ring on which each direction has the colour of light polarized along it.
+    // A ring on which each direction has the colour of light polarized along it; what is up in the bar
+    // is outside in the ring.
     void draw_wheel(int center_x, int center_y, const Legend& legend) {
         const double outer = m_.wheel_radius(), inner = 0.45 * outer;
         const int reach = m_.wheel_radius() + 1;
@@ -97,8 +99,9 @@ class Page {
                 if (covered == 0) continue;
                 const double angle = std::atan2(-dy, dx) * 180 / std::numbers::pi;
                 const double turns = (angle - *legend.wheel_from_deg) / 180;
+                const double out = std::clamp((r - inner) / (outer - inner), 0.0, 1.0);
                 blend(picture_, center_x + dx, center_y + dy,
-                      legend.color(turns - std::floor(turns)), covered);
+                      legend.color(turns - std::floor(turns), out), covered);
             }
     }
 
@@ -109,10 +112,11 @@ class Page {
 
 }  // namespace
 
+int reduction_for_sheet(int width, int height) {
+    return std::max(divided_up(width, kMostWidth), divided_up(height, kMostHeight));
+}
+
 Picture fit_to_sheet(const Picture& picture) {
-    const int times =
-        std::max(divided_up(picture.width, kMostWidth), divided_up(picture.height, kMostHeight));
-    if (times > 1) return reduced(picture, times);
     const int enlarge =
         std::min(divided_up(kLeastWidth, picture.width), kMostHeight / picture.height);
     return enlarge > 1 ? enlarged(picture, enlarge) : picture;
@@ -121,7 +125,9 @@ Picture fit_to_sheet(const Picture& picture) {
 Picture make_sheet(const std::string& heading, const std::string& subheading,
                    const std::vector<std::vector<Panel>>& rows, const Font& font) {
     const Measures m(rows.front().front().picture);
-    const int columns = static_cast<int>(rows.front().size());
+    std::size_t longest = 0;
+    for (const std::vector<Panel>& row : rows) longest = std::max(longest, row.size());
+    const int columns = static_cast<int>(longest);
     const int count = static_cast<int>(rows.size());
     Picture sheet(2 * m.margin() + columns * m.column + (columns - 1) * m.gap(),
                   2 * m.margin() + m.heading() + count * m.row() + (count - 1) * m.row_gap());

@@ -10,11 +10,14 @@
 
 namespace malus::preview {
 
-/// A picture in the size that a sheet shows: small ones enlarged by a whole number to at least 320
-/// pixels in width, those beyond 1024 × 1280 reduced by one.
+/// By how many pixels a side a picture of this size is too large for a sheet, which takes 640 × 800: 1 if
+/// it is not. Numbers are to be reduced so before they become colours (layers.h).
+int reduction_for_sheet(int width, int height);
+
+/// A picture that is not too large, enlarged by a whole number to at least 320 pixels in width.
 Picture fit_to_sheet(const Picture& picture);
 
-/// One row of panels a wavelength; all pictures have one size, as fit_to_sheet() gives it.
+/// Rows of panels; all pictures have one size, as fit_to_sheet() gives it.
 Picture make_sheet(const std::string& heading, const std::string& subheading,
                    const std::vector<std::vector<Panel>>& rows, const Font& font);
 

@@ -44,6 +44,19 @@ class Exr {
     Image image_;
 };
 
+// Width and height, from the header that PNG begins with (ISO 15948, 11.2.2).
+std::pair<int, int> png_size(const fs::path& path) {
+    const std::string bytes = read_text(path);
+    REQUIRE(bytes.size() > 24);
+    const auto number = [&](std::size_t at) {
+        int n = 0;
+        for (std::size_t i = at; i < at + 4; ++i)
+            n = 256 * n + static_cast<unsigned char>(bytes[i]);
+        return n;
+    };
+    return {number(16), number(20)};
+}
+
 }  // namespace
 
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
@@ -712,7 +725,7 @@ TEST_CASE("Sky import: bad input and usage", "[cli]") {
     CHECK(same.one_line());
 }
 
-TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
+TEST_CASE("Preview: pictures of each quantity, of a part of them, and of their errors", "[cli]") {
     const TempFolder folder;
     const std::string image = (folder / "image.exr").string();
     REQUIRE(run(small_render(image)).exit_code == 0);
@@ -720,11 +733,37 @@ TEST_CASE("Preview: pictures of S0, DoLP and AoLP", "[cli]") {
         run("preview " + quoted(image) + " -o " + quoted((folder / "").string()));
     CAPTURE(result.err);
     CHECK(result.exit_code == 0);
-    for (const char* quantity : {"S0", "DoLP", "AoLP"}) {
+    for (const char* quantity : {"S0", "DoLP", "AoLP", "S1_S0", "S2_S0", "combined", "StdErr_S0",
+                                 "StdErr_DoLP", "StdErr_AoLP"}) {
         const fs::path png = folder / ("image_" + std::string(quantity) + "_440nm.png");
+        CAPTURE(quantity);
         CHECK(fs::exists(png));
         CHECK(read_text(png).substr(1, 3) == "PNG");
+        fs::remove(png);
     }
+    CHECK_THAT(result.out, Contains("(blue) over 0 (white) to") && Contains("hue AoLP"));
+    // A part of them; errors make the sheet higher.
+    const std::string part = "preview " + quoted(image) + " --panels S1_S0,DoLP -o ";
+    REQUIRE(run(part + quoted((folder / "").string())).exit_code == 0);
+    CHECK(fs::exists(folder / "image_S1_S0_440nm.png"));
+    CHECK_FALSE(fs::exists(folder / "image_S0_440nm.png"));
+    CHECK_FALSE(fs::exists(folder / "image_StdErr_S0_440nm.png"));
+    const fs::path low = folder / "low.png", high = folder / "high.png";
+    REQUIRE(run(part + quoted(low.string())).exit_code == 0);
+    REQUIRE(run(part + quoted(high.string()) + " --errors").exit_code == 0);
+    CHECK(png_size(high).second > 1.5 * png_size(low).second);
+    CHECK(png_size(high).first > png_size(low).first);  // three errors, two pictures
+    CHECK(run(part + quoted(low.string()) + " --panels S7").exit_code == 2);
+
+    // A large image: full size by itself, a third of it on the sheet.
+    Image large;
+    large.width = 1300, large.height = 10;
+    for (const auto& [s, value] : {std::pair("S0", 1.f), {"S1", 0.5f}, {"S2", 0.5f}, {"S3", 0.f}})
+        large.channel(spectral_channel(s, 440)).assign(large.pixel_count(), value);
+    write_exr(folder / "large.exr", large);
+    REQUIRE(run("preview --panels S0 " + quoted((folder / "large.exr").string())).exit_code == 0);
+    CHECK(png_size(folder / "large_S0_440nm.png") == std::pair(1300, 10));
+    CHECK(png_size(folder / "large_sheet.png").first < 600);
     const Outcome bad = run("preview " + quoted((folder / "absent.exr").string()));
     CHECK(bad.exit_code == 1);
     CHECK(bad.one_line());

@@ -110,20 +110,6 @@ TEST_CASE("The sRGB curve and its inverse undo each other and halve light at cod
     CHECK(255 * srgb_from_linear(0.5) == near(187.5, 0.1));  // known: 50 % light is 188
 }
 
-TEST_CASE("Diverging map: white between, blue below and red above, alike on both sides", "[unit]") {
-    CHECK(chroma(lab_of(shown(diverging(0)))) < 0.005);
-    CHECK(shown(diverging(1)).r > shown(diverging(1)).b + 100);
-    CHECK(shown(diverging(-1)).b > shown(diverging(-1)).r + 100);
-    for (int i = 1; i <= 20; ++i) {
-        const OkLab red = lab_of(shown(diverging(i / 20.0))),
-                    blue = lab_of(shown(diverging(-i / 20.0)));
-        CHECK(red.L == near(blue.L, 0.01));  // a step of 8 bits
-        CHECK(red.L < lab_of(shown(diverging((i - 1) / 20.0))).L);
-        CHECK(chroma(red) > chroma(lab_of(shown(diverging((i - 1) / 20.0)))));
-    }
-    CHECK(shown(diverging(7)) == shown(diverging(1)));
-}
-
 TEST_CASE("Sequential map: lightness rises in even steps", "[unit]") {
     constexpr int kSteps = 40;
     const double first = lab_of(shown(sequential(0))).L, last = lab_of(shown(sequential(1))).L;
@@ -175,11 +161,52 @@ TEST_CASE("Cyclic map: without vividness all angles are one neutral grey", "[uni
     CHECK(lab_of(grey).L == near(0.74, 0.01));
 }
 
-TEST_CASE("Both maps stay in the gamut of sRGB", "[unit]") {
-    for (int i = 0; i <= 1000; ++i) {
-        CHECK(in_gamut(linear_rgb(sequential(i / 1000.0))));
-        CHECK(in_gamut(linear_rgb(cyclic(0.18 * i))));
+TEST_CASE("Diverging map: white in the middle, both sides equally light, blue below, red above",
+          "[unit]") {
+    const OkLab white = lab_of(shown(diverging(0)));
+    CHECK(white.L > 0.96);
+    CHECK(chroma(white) < 0.003);
+    for (double t = 0.1; t <= 1; t += 0.1) {
+        const OkLab low = lab_of(shown(diverging(-t))), high = lab_of(shown(diverging(t)));
+        CHECK(low.L == near(high.L, 0.005));
+        CHECK(high.L == near(white.L - 0.42 * t, 0.01));
+        CHECK(shown(diverging(t)).r > shown(diverging(t)).b);
+        CHECK(shown(diverging(-t)).b > shown(diverging(-t)).r);
+        CHECK(chroma(high) > 0.15 * t);
+        CHECK(chroma(low) > 0.15 * t);
     }
+    CHECK(shown(diverging(-3)) == shown(diverging(-1)));
+    CHECK(shown(diverging(3)) == shown(diverging(1)));
+}
+
+TEST_CASE("Combined map: hue by angle and strength by polarization at any radiance", "[unit]") {
+    for (double lightness : {0.0, 0.3, 1.0})
+        for (double aolp_deg = 0; aolp_deg < 180; aolp_deg += 15) {
+            const OkLab full = lab_of(shown(combined(aolp_deg, 1, lightness)));
+            CHECK(chroma(full) == near(0.1, 0.01));
+            const OkLab hue = cyclic(aolp_deg);
+            CHECK((full.a * hue.a + full.b * hue.b) / (chroma(full) * chroma(hue)) > 0.995);
+        }
+    // In the dark, what is strongly polarized is seen, and what is not stays dark.
+    CHECK(lab_of(shown(combined(30, 1, 0))).L > 0.55);
+    CHECK(shown(combined(30, 0, 0)) == Color{0, 0, 0});
+    // Brighter light never looks darker.
+    for (double p : {0.0, 0.5, 1.0})
+        for (int l = 0; l < 10; ++l)
+            CHECK(combined(30, p, (l + 1) / 10.0).L > combined(30, p, l / 10.0).L);
+}
+
+TEST_CASE("All maps stay in the gamut of sRGB", "[unit]") {
+    for (int i = 0; i <= 1000; ++i) {
+        CHECK(in_gamut(linear_rgb(cyclic(0.18 * i))));
+        CHECK(in_gamut(linear_rgb(diverging(0.002 * i - 1))));
+    }
+    std::size_t outside = 0;
+    for (int angle = 0; angle < 180; angle += 3)
+        for (int p = 0; p <= 20; ++p)
+            for (int l = 0; l <= 20; ++l)
+                outside += !in_gamut(linear_rgb(combined(angle, p / 20.0, l / 20.0)));
+    CHECK(outside == 0);
 }
 
 TEST_CASE("Fitting to the gamut keeps lightness and hue and takes no more chroma than it must",

@@ -74,7 +74,7 @@ TEST_CASE(
     const auto patch = [&](Vec3 w) -> reference::Stokes {
         return {angle_between(w, east) < to_radians(8) ? 1.0 : 0.0, 0, 0, 0};
     };
-    const Picture picture = s0_panel(seen(patch), GreyScale::kLinear).picture;
+    const Picture picture = s0_panel(seen(patch), {}).picture;
     for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
         const Point place = middle_of(i);
         const double away_deg = to_degrees(angle_between(direction_at(kView, place), east));
@@ -254,8 +254,7 @@ TEST_CASE("Dome: names of marks stay in the picture, wherever the sun is") {
 
 TEST_CASE("Dome: its legends say what white means and from where the angle is counted") {
     const Layers layers = seen(smooth_sky());
-    CHECK_THAT(s0_panel(layers, GreyScale::kLinear).legend.captions.back(),
-               Catch::Contains("of the sky"));
+    CHECK_THAT(s0_panel(layers, {}).legend.captions.back(), Catch::Contains("of the sky"));
     const Panel aolp = aolp_panel(layers);
     CHECK_THAT(aolp.description, Catch::Contains("vertical plane"));
     CHECK_FALSE(aolp.legend.wheel_from_deg.has_value());
