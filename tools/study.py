@@ -220,7 +220,7 @@ def brdf_figures():
               "--incidence-zenith", incidence, "--png", file, "--csv", file.with_suffix(".csv"), "--quiet")
         figures.append(picture(file, f"{colour.capitalize()} paint in unpolarized light from zenith "
                                      f"{incidence}°, over all directions of the detector."))
-    return f'<div class="figures">{"".join(figures)}</div>'
+    return "".join(figures)
 
 
 def histogram_figures(histograms):
