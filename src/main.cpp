@@ -72,6 +72,7 @@ int run(int argc, char** argv) {
     malus::cli::add_merge(app, malus::cli::command_line(argc, argv));
     malus::cli::add_report(app);
     malus::cli::add_hist(app);
+    malus::cli::add_detect(app);
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {

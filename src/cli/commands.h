@@ -22,6 +22,7 @@ void add_brdf(CLI::App& app, const std::string& command_line);
 void add_merge(CLI::App& app, const std::string& command_line);
 void add_report(CLI::App& app);
 void add_hist(CLI::App& app);
+void add_detect(CLI::App& app);
 
 /// Replaces this process by malus-preview, which stands beside malus or on the PATH; argv[0] is
 /// "preview". Throws Error if it cannot be found.
