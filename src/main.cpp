@@ -1,6 +1,6 @@
 // main.cpp — malus: one command a file in cli/; errors become one line and an exit code here.
 //
-// Exit    0 done; 1 an input or the run failed; 2 wrong usage.
+// Exit    0 done; 1 an input or the run failed; 2 wrong usage; 3 compare found a difference.
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <cstring>
@@ -73,6 +73,8 @@ int run(int argc, char** argv) {
     malus::cli::add_report(app);
     malus::cli::add_hist(app);
     malus::cli::add_detect(app);
+    int exit_code = 0;
+    malus::cli::add_compare(app, exit_code);
     const std::vector<std::string> commands = called(app, argc, argv);
     app.config_formatter(std::make_shared<CommandConfig>(commands));
     if (commands.empty() && argc > 1 && argv[1][0] != '-') {
@@ -93,7 +95,7 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& usage) {
         return app.exit(usage) == 0 ? 0 : kUsage;
     }
-    return 0;
+    return exit_code;
 }
 
 }  // namespace

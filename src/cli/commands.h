@@ -24,6 +24,10 @@ void add_report(CLI::App& app);
 void add_hist(CLI::App& app);
 void add_detect(CLI::App& app);
 
+/// Sets `exit_code` to kDifference when images differ.
+void add_compare(CLI::App& app, int& exit_code);
+inline constexpr int kDifference = 3;
+
 /// Replaces this process by malus-preview, which stands beside malus or on the PATH; argv[0] is
 /// "preview". Throws Error if it cannot be found.
 [[noreturn]] void run_preview(int argc, char** argv);

@@ -62,7 +62,7 @@ std::pair<int, int> png_size(const fs::path& path) {
 TEST_CASE("Help: every command explains itself, fast", "[cli]") {
     for (const char* command :
          {"", "render", "sky", "sky make", "sky info", "sky import", "materials", "materials check",
-          "info", "preview", "merge", "hist", "report", "brdf", "detect"}) {
+          "info", "preview", "merge", "hist", "report", "brdf", "detect", "compare"}) {
         const Outcome result = run(std::string(command) + " --help");
         CAPTURE(command);
         CHECK(result.exit_code == 0);
