@@ -120,6 +120,10 @@ bool PixelExposure::is_open() const {
     return std::any_of(open_.begin(), open_.end(), [](std::uint8_t share) { return share > 0; });
 }
 
+bool PixelExposure::is_open(std::size_t replicate, std::size_t wavelength) const {
+    return open_[replicate * wavelengths_ + wavelength] > 0;
+}
+
 void PixelExposure::add_surface(int instance, double distance) {
     ++covered_;
     distance_ += distance;
@@ -155,8 +159,7 @@ double PixelExposure::noise_of_differences(std::size_t wavelength, const std::ar
                                            double norm) const {
     constexpr double kErrors = 6;
     for (std::size_t r = 0; r < replicates_; ++r)
-        if (open_[r * wavelengths_ + wavelength] > 0)
-            return kErrors * std::sqrt(norm * (C[0] + C[3] + C[5] + C[6]));
+        if (is_open(r, wavelength)) return kErrors * std::sqrt(norm * (C[0] + C[3] + C[5] + C[6]));
     return 0;
 }
 

@@ -30,6 +30,9 @@ constexpr double kLeastEvidence = 0.25;
 
 // Samples of each replicate that are traced side by side.
 constexpr std::uint32_t kTogether = 4;
+// Samples of which each, as long as none of the sky table is used, decides on its use: one alone
+// meets too little light to tell in a pixel of some thousands, which would stand out by its noise.
+constexpr std::uint32_t kDeciding = 2;
 
 class Clock {
   public:
@@ -167,7 +170,7 @@ class Job {
         while (pixel.taken() < wanted) {
             const std::uint32_t count = samples_together(pixel.taken(), wanted);
             trace(x, y, count, worker);
-            if (pixel.taken() == 0) find_open(worker);
+            if (pixel.taken() < kDeciding) find_open(worker);
             for (std::uint32_t s = 0; s < count; ++s) {
                 add(x, y, s, worker);
                 pixel.end_sample();
@@ -197,14 +200,14 @@ class Job {
     // The next samples of all replicates.
     void trace(int x, int y, std::uint32_t count, Worker& worker) {
         const std::uint32_t first = worker.pixel.taken();
-        const bool open = table_ && (first == 0 || worker.pixel.is_open());
+        const bool open = table_ && (first < kDeciding || worker.pixel.is_open());
         tracer_.trace(x, y, first, count, worker.paths, open ? &*table_ : nullptr);
         tracer_.shade(worker.paths);
         worker.samples += worker.paths.size();
     }
 
     // How much of the open sky's light reaches the pixel, for each replicate by the others' first
-    // samples; none where these met too little of that light to tell.
+    // samples; none where these met too little of that light to tell, until the second ones are asked.
     void find_open(Worker& worker) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         struct Light {
@@ -220,6 +223,7 @@ class Job {
         }
         for (std::uint32_t r = 0; r < R; ++r)
             for (std::size_t w = 0; w < W; ++w) {
+                if (worker.pixel.is_open(r, w)) continue;
                 double whole = 0, seen = 0, expected = 0;
                 for (std::size_t other = 0; other < R; ++other) {
                     const int node = worker.paths.open_node(other);

@@ -73,6 +73,7 @@ class PixelExposure {
     /// α, [0,1], to the next 1/255.
     void set_open(std::uint32_t replicate, std::size_t wavelength, double share);
     bool is_open() const;  ///< is α > 0 for any replicate at any wavelength?
+    bool is_open(std::size_t replicate, std::size_t wavelength) const;
     void add_surface(int instance, double distance);  ///< of a sample that met a surface
     void add_sky();                                   ///< of a sample that did not
     /// After one sample of each replicate.
