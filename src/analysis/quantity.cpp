@@ -88,10 +88,15 @@ double difference(double a, double b, double period) {
 }
 
 std::vector<double> wavelengths_of(const Image& image, const std::vector<double>& asked_nm) {
-    const std::vector<double> available = stokes_wavelengths(image);
+    return wavelengths_of(stokes_wavelengths(image), asked_nm);
+}
+
+std::vector<double> wavelengths_of(const std::vector<double>& available,
+                                   const std::vector<double>& asked_nm) {
     if (available.empty())
         throw Error(
-            "no Stokes channels (S0.440,000000nm and so on); name an image that malus wrote");
+            "no Stokes channels (S0.440,000000nm and so on); name an image or sky map that malus "
+            "wrote");
     if (asked_nm.empty()) return available;
     std::vector<double> chosen;
     for (double nm : asked_nm) {
@@ -104,6 +109,12 @@ std::vector<double> wavelengths_of(const Image& image, const std::vector<double>
         chosen.push_back(available[*found]);
     }
     return chosen;
+}
+
+void debias(Quantity& dolp, const Film& film) {
+    const auto w = find_wavelength(film.wavelengths_nm, dolp.wavelength_nm);
+    for (std::size_t i = 0; i < dolp.value.size(); ++i)
+        dolp.value[i] = static_cast<float>(debiased_dolp(film.at(i, w.value())));
 }
 
 }  // namespace malus

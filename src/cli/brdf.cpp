@@ -8,6 +8,7 @@
 #include "cli/brdf_plot.h"
 #include "cli/commands.h"
 #include "cli/gnuplot.h"
+#include "cli/image_options.h"
 #include "cli/paints.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
@@ -267,11 +268,8 @@ void tell(BrdfOptions& options, const std::string& command_line) {
 void add_inputs(CLI::App& sub, BrdfOptions& o) {
     sub.add_option("name", o.name, "Name of the paint in one of the files (required)");
     sub.add_option("--materials", o.materials, "Paints: one or more .json files")->required();
-    sub.add_option("--wavelengths", o.wavelengths_nm,
-                   "Wavelengths, nm, e.g. 440,600 [those of the paint's rows]")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::PositiveNumber);
+    add_wavelengths(sub, o.wavelengths_nm,
+                    "Wavelengths, nm, e.g. 440,600 [those of the paint's rows]");
     sub.add_option("--incidence-zenith", o.incidence_zenith_deg,
                    "Angle of incidence: of the direction toward the light from the normal, degrees")
         ->check(within(0, kMostZenith_deg))

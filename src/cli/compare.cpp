@@ -11,6 +11,7 @@
 #include <set>
 
 #include "cli/commands.h"
+#include "cli/image_options.h"
 #include "cli/progress.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
@@ -311,11 +312,8 @@ void add_compare(CLI::App& app, int& exit_code) {
         "--baseline", options->baseline,
         "Folder of references: compare each image (*.exr) of the folder before with the "
         "one of the same name here. What only one of both has is a difference");
-    sub->add_option("--wavelengths", options->settings.wavelengths_nm,
-                    "Wavelengths, nm, e.g. 440,600 [all; both images must have the same]")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::PositiveNumber);
+    add_wavelengths(*sub, options->settings.wavelengths_nm,
+                    "Wavelengths, nm, e.g. 440,600 [all; both images must have the same]");
     add_limits(*sub, options->settings);
     sub->add_flag("--json", options->json, "Print JSON instead of tables");
     sub->add_flag("--quiet", options->quiet, "Print nothing but JSON; the exit code says it all");

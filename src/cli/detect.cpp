@@ -5,14 +5,15 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/detect_output.h"
 #include "cli/gnuplot.h"
+#include "cli/image_options.h"
 #include "cli/validators.h"
 #include "malus/core/error.h"
 #include "malus/io/file.h"
-#include "malus/io/film_image.h"
 #include "malus/optics/wavelengths.h"
 
 namespace malus::cli {
@@ -121,32 +122,16 @@ Masks masks_of(const Image& image, const DetectChoice& choice) {
     return masks;
 }
 
-// DoLP less what noise adds to it on average.
-Quantity debiased(const Film& film, double nm, Quantity dolp) {
-    const auto w = find_wavelength(film.wavelengths_nm, nm);
-    for (std::size_t p = 0; w && p < dolp.value.size(); ++p)
-        dolp.value[p] = static_cast<float>(debiased_dolp(film.at(p, *w)));
-    return dolp;
-}
-
-Film film_for_debias(const Image& image) {
-    try {
-        Labels labels;
-        return film_of(image, labels);
-    } catch (const Error& problem) {
-        throw Error(std::string("--debias: ") + problem.what() +
-                    "; leave it out, or name an image that malus rendered");
-    }
-}
-
 std::vector<DetectChannel> detect_channels(const Image& image, const Masks& masks,
-                                           const std::vector<double>& wavelengths_nm, bool debias) {
-    const Film film = debias ? film_for_debias(image) : Film();
+                                           const std::vector<double>& wavelengths_nm,
+                                           bool debiased) {
+    std::optional<Film> film;
+    if (debiased) film = film_for_debias(image);
     std::vector<DetectChannel> channels;
     for (double nm : wavelengths_nm)
         for (const auto& [name, unit] : kChannels) {
             Quantity quantity = read_quantity(image, name, nm);
-            if (debias && quantity.name == "DoLP") quantity = debiased(film, nm, quantity);
+            if (film && quantity.name == "DoLP") debias(quantity, *film);
             const Mask known = quantity.name == "AoLP" ? aolp_known(image, nm) : Mask();
             channels.push_back(
                 {name, unit, nm, detect(quantity, masks.target, masks.background, known)});
@@ -235,11 +220,8 @@ void add_detect(CLI::App& app) {
     sub->add_option("image", options->image, "Image of malus render or malus merge, EXR")
         ->required();
     add_pixel_options(*sub, options->choice);
-    sub->add_option("--wavelengths", options->wavelengths_nm,
-                    "Wavelengths to compare, nm, e.g. 440,600 [default: all]")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::PositiveNumber);
+    add_wavelengths(*sub, options->wavelengths_nm,
+                    "Wavelengths to compare, nm, e.g. 440,600 [default: all]");
     sub->add_flag("--debias", options->choice.debias,
                   "Take from each pixel's DoLP what noise adds to it on average (MAS estimate, "
                   "Plaszczynski et al. 2014), whatever the image has");

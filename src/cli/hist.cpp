@@ -9,9 +9,9 @@
 #include "cli/commands.h"
 #include "cli/gnuplot.h"
 #include "cli/hist_output.h"
+#include "cli/image_options.h"
 #include "malus/core/error.h"
 #include "malus/io/file.h"
-#include "malus/io/film_image.h"
 #include "malus/optics/wavelengths.h"
 
 namespace malus::cli {
@@ -62,18 +62,10 @@ Quantity plain_channel(const Image& image, const std::string& name) {
     return {name, 0, image.channels.at(name), {}, 0};
 }
 
-// In place of the image's DoLP what is left of it without the noise's share.
-void debias(Quantity& dolp, const Film& film) {
-    const auto w = find_wavelength(film.wavelengths_nm, dolp.wavelength_nm);
-    for (std::size_t i = 0; i < dolp.value.size(); ++i)
-        dolp.value[i] = static_cast<float>(debiased_dolp(film.at(i, w.value())));
-}
-
 // All that is asked for of one image, in the order of the panels.
 std::vector<Quantity> quantities_of(const Image& image, const HistOptions& options) {
     std::optional<Film> film;
-    Labels labels;
-    if (options.debias) film = film_of(image, labels);
+    if (options.debias) film = film_for_debias(image);
     const std::vector<double> wavelengths_nm = wavelengths_of(image, options.wavelengths_nm);
     const std::vector<std::string> known = known_quantities(image);
     std::vector<Quantity> all;
@@ -235,11 +227,8 @@ void add_hist(CLI::App& app) {
            "[default: S0,DoLP,AoLP]")
         ->delimiter(',')
         ->allow_extra_args(false);
-    sub->add_option("--wavelengths", options->wavelengths_nm,
-                    "Wavelengths, nm, e.g. 440,600 [default: all of the first image]")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::PositiveNumber);
+    add_wavelengths(*sub, options->wavelengths_nm,
+                    "Wavelengths, nm, e.g. 440,600 [default: all of the first image]");
     sub->add_option("--node", options->nodes,
                     "A series of the pixels that show this glTF node, or one below it; repeatable "
                     "[default: all pixels that show a surface]")

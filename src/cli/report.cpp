@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/image_options.h"
 #include "malus/analysis/quantity.h"
 #include "malus/core/error.h"
 #include "malus/io/file.h"
@@ -222,11 +223,8 @@ void add_report(CLI::App& app) {
         ->required();
     sub->add_option("-o,--output", options->output,
                     "Page to write [IMAGE_report.html beside the first image]");
-    sub->add_option("--wavelengths", options->wavelengths_nm,
-                    "Wavelengths to show, nm, e.g. 440,600 [all]; each takes 43 bytes a pixel")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::PositiveNumber);
+    add_wavelengths(*sub, options->wavelengths_nm,
+                    "Wavelengths to show, nm, e.g. 440,600 [all]; each takes 43 bytes a pixel");
     sub->add_option("--title", options->title, "Heading of the page [the first image's name]");
     sub->add_option("--intro", options->intro,
                     "File with HTML to put between heading and images (pictures as data: URIs)");

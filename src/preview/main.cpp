@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 
+#include "malus/analysis/quantity.h"
 #include "malus/core/error.h"
 #include "malus/io/exr.h"
 #include "malus/io/file.h"
@@ -69,27 +70,6 @@ Destination destination(const Options& options) {
     const Destination to = place_for(options);
     if (to.sheet_only) check_writable(to.sheet);
     return to;
-}
-
-// The wavelengths to show as the file has them, in the order that was asked for.
-std::vector<double> chosen_wavelengths(const Options& options,
-                                       const std::vector<double>& available) {
-    if (available.empty())
-        throw Error(
-            "no Stokes channels (S0.440,000000nm and so on); name an image or sky "
-            "map that malus wrote");
-    if (options.wavelengths_nm.empty()) return available;
-    std::vector<double> chosen;
-    for (double nm : options.wavelengths_nm) {
-        const auto found = find_wavelength(available, nm);
-        if (!found)
-            throw Error("no " + to_text(nm) + " nm; choose --wavelengths among " +
-                        to_text(available));
-        if (find_wavelength(chosen, nm))
-            throw Error("--wavelengths: " + to_text(nm) + " nm stands twice; keep one");
-        chosen.push_back(available[*found]);
-    }
-    return chosen;
 }
 
 void save(const fs::path& path, const Picture& picture, const std::string& description) {
@@ -182,7 +162,7 @@ void preview_image(const Image& image, const Options& options) {
     std::vector<double> wavelengths_nm;
     std::vector<Layers> layers;
     try {
-        wavelengths_nm = chosen_wavelengths(options, stokes_wavelengths(image));
+        wavelengths_nm = wavelengths_of(image, options.wavelengths_nm);
         for (double nm : wavelengths_nm) layers.push_back(read_layers(image, nm));
     } catch (const Error& error) {
         throw Error(options.input + ": " + error.what());
@@ -208,7 +188,7 @@ void preview_sky(const Sky& sky, const Options& options) {
     for (const std::string& warning : sky.warnings) std::cerr << "malus: note: " << warning << '\n';
     std::vector<double> wavelengths_nm;
     try {
-        wavelengths_nm = chosen_wavelengths(options, sky.wavelengths_nm);
+        wavelengths_nm = wavelengths_of(sky.wavelengths_nm, options.wavelengths_nm);
     } catch (const Error& error) {
         throw Error(options.input + ": " + error.what());
     }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "malus/io/exr.h"
+#include "malus/io/film_image.h"
 
 namespace malus {
 
@@ -35,5 +36,11 @@ double difference(double a, double b, double period);
 /// Those of the image's wavelengths that are asked for, all for none asked. Throws Error (without a
 /// file name) for one that the image does not have, or if it has none.
 std::vector<double> wavelengths_of(const Image& image, const std::vector<double>& asked_nm);
+std::vector<double> wavelengths_of(const std::vector<double>& available_nm,
+                                   const std::vector<double>& asked_nm);
+
+/// Takes from DoLP what noise adds to it on average (debiased_dolp()), whatever estimator the image
+/// has, by the covariances of `film`, that of the same image.
+void debias(Quantity& dolp, const Film& film);
 
 }  // namespace malus
