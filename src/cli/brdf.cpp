@@ -41,17 +41,12 @@ void find_name(BrdfOptions& options) {
 }
 
 void check_outputs(const BrdfOptions& options) {
-    std::vector<std::filesystem::path> others(options.materials.begin(), options.materials.end());
-    for (const std::string& output : {options.csv, options.exr, options.png, options.json}) {
-        if (output.empty()) continue;
-        check_writable(output);
-        check_distinct(output, others);
-        others.push_back(output);
-    }
+    malus::check_outputs({options.materials.begin(), options.materials.end()},
+                         {options.csv, options.exr, options.png, options.json});
     if (!options.exr.empty()) check_exr_name(options.exr);
     if (!options.png.empty()) check_gnuplot();
     if (!options.json.empty() && options.at_deg.empty()) throw CLI::RequiresError("--json", "--at");
-    if (options.at_deg.empty() && others.size() == options.materials.size())
+    if (options.at_deg.empty() && (options.csv + options.exr + options.png).empty())
         throw CLI::RequiredError("One of --at, --csv, --exr, --png");
 }
 

@@ -48,13 +48,7 @@ void check_usage(const DetectOptions& options) {
 }
 
 void check_outputs(const DetectOptions& options) {
-    std::vector<std::filesystem::path> taken{options.image};
-    for (const std::string& output : {options.csv, options.json, options.png}) {
-        if (output.empty()) continue;
-        check_writable(output);
-        check_distinct(output, taken);
-        taken.push_back(output);
-    }
+    malus::check_outputs({options.image}, {options.csv, options.json, options.png});
     if (!options.png.empty()) check_gnuplot();
 }
 

@@ -170,13 +170,8 @@ void check_usage(const HistOptions& options) {
 }
 
 void check_outputs(const HistOptions& options) {
-    std::vector<std::filesystem::path> taken{options.images.begin(), options.images.end()};
-    for (const std::string& output : {options.csv, options.json, options.png}) {
-        if (output.empty()) continue;
-        check_writable(output);
-        check_distinct(output, taken);
-        taken.push_back(output);
-    }
+    malus::check_outputs({options.images.begin(), options.images.end()},
+                         {options.csv, options.json, options.png});
     if (!options.png.empty()) check_gnuplot();
 }
 

@@ -48,6 +48,17 @@ void check_distinct(const fs::path& output, const std::vector<fs::path>& others)
                         "', which this command also uses; choose another name");
 }
 
+void check_outputs(const std::vector<fs::path>& inputs,
+                   std::initializer_list<std::string> outputs) {
+    std::vector<fs::path> taken = inputs;
+    for (const std::string& output : outputs) {
+        if (output.empty()) continue;
+        check_writable(output);
+        check_distinct(output, taken);
+        taken.push_back(output);
+    }
+}
+
 void write_whole(const fs::path& path, const std::function<void(const fs::path&)>& write) {
     check_writable(path);
     // A link stays a link: what it points to is replaced.

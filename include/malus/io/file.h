@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ void check_writable(const std::filesystem::path& path);
 /// Throws Error if the output is the same file as one of the others (inputs or other outputs).
 void check_distinct(const std::filesystem::path& output,
                     const std::vector<std::filesystem::path>& others);
+
+/// Of all outputs of a command, of which empty names are not asked for: both checks, also against each
+/// other.
+void check_outputs(const std::vector<std::filesystem::path>& inputs,
+                   std::initializer_list<std::string> outputs);
 
 /// The whole of a text file. Throws Error when it is missing, not a regular file or over 1 GiB.
 std::string read_text(const std::filesystem::path& path);
