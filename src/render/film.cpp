@@ -7,6 +7,9 @@
 namespace malus {
 namespace {
 
+// W m⁻² sr⁻¹ nm⁻¹; the covariance of fainter light is lost in floats, whose least is 1e-45.
+constexpr double kFaintest = 1e-18;
+
 enum Entry { k00, k01, k02, k11, k12, k22, k33 };
 
 // How much more the error of a ratio is than first-order propagation says when few replicates carry
@@ -40,7 +43,7 @@ double stderr_dolp(const PixelStokes& pixel) {
     const Stokes<double>& S = pixel.mean;
     if (!(S.s0 > 0)) return pixel.covariance[k00] > 0 ? 1 : 0;
     const double wider = widening(pixel);
-    if (wider == HUGE_VAL) return 1;
+    if (wider == HUGE_VAL || S.s0 < kFaintest) return 1;
     const auto c = [&](Entry e) { return static_cast<double>(pixel.covariance[e]); };
     const double P = std::hypot(S.s1, S.s2), p = P / S.s0;
     // Unpolarized: the gradient has no direction; the larger axis of the error ellipse bounds it.

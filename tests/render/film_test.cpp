@@ -246,6 +246,22 @@ TEST_CASE("Error bars: limits at no light and no polarization") {
     CHECK(stderr_aolp(pixel) == Approx(kPi / 2));
 }
 
+TEST_CASE("Error bars: light so faint that floats lose its covariance is not known") {
+    // Of 1e-24 with a spread of a tenth the variance is 1e-50; the least float is 1.4e-45.
+    for (const auto& [s0, known] : {std::pair(1e-17, true), {1e-19, false}, {1e-24, false}}) {
+        PixelStokes pixel;
+        pixel.mean = {s0, 0.3 * s0, 0.4 * s0, 0};
+        for (std::size_t i : {0u, 3u, 5u}) pixel.covariance[i] = static_cast<float>(1e-4 * s0 * s0);
+        CAPTURE(s0);
+        CHECK((stderr_dolp(pixel) < 0.1) == known);
+        CHECK((stderr_aolp(pixel) < 0.1) == known);
+        if (!known) {
+            CHECK(stderr_dolp(pixel) == 1);
+            CHECK(stderr_aolp(pixel) == near(kPi / 2, 1e-12));
+        }
+    }
+}
+
 TEST_CASE("Error bars: light from one replicate alone is not known, however alike its numbers") {
     // Replicates (8,4,0,0), 0, …: DoLP 0.5 in the only one that has light.
     OnePixel one(8);

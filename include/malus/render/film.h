@@ -34,8 +34,8 @@ struct PixelStokes {
 };
 
 /// Standard errors of a pixel's DoLP and AoLP (rad); 1 and π/2 where nothing is known, since all
-/// light came from one replicate, whose spread nobody saw, or noise left none. Without any light DoLP
-/// is 0 for certain.
+/// light came from one replicate, whose spread nobody saw, or noise left none, or S0 is below 1e-18, whose
+/// covariance no float holds. Without any light DoLP is 0 for certain.
 double stderr_dolp(const PixelStokes& pixel);
 double stderr_aolp(const PixelStokes& pixel);
 
