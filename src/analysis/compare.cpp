@@ -196,10 +196,11 @@ Numbers means_around(const Numbers& v, int width, int height, int reach) {
 struct Side {
     const Image& image;
     std::array<Numbers, 4> stokes, variances;  // of one wavelength; variances empty if unknown
-    Numbers degrees;                           // of freedom, by pixel
-    Numbers samples;                           // by pixel; 1 if unknown
-    Numbers few;          // by what errors count more where samples are few, by pixel
-    bool traced = false;  // without the sky table: S0 to S3 need no such care
+    std::array<Numbers, 3> near;  // of S0 to S2, the larger of these and 3 × 3 pixels' mean
+    Numbers degrees;              // of freedom, by pixel
+    Numbers samples;              // by pixel; 1 if unknown
+    Numbers few;                  // by what errors count more where samples are few, by pixel
+    bool traced = false;          // without the sky table: S0 to S3 need no such care
 };
 
 Numbers numbers(const std::vector<float>& channel) {
@@ -208,7 +209,7 @@ Numbers numbers(const std::vector<float>& channel) {
 
 Side side(const Image& image) {
     const std::size_t n = image.pixel_count();
-    Side s{image, {}, {}, Numbers(n, kUsualReplicates - 1), Numbers(n, 1), Numbers(n, 1)};
+    Side s{image, {}, {}, {}, Numbers(n, kUsualReplicates - 1), Numbers(n, 1), Numbers(n, 1)};
     const auto replicates = image.channels.find("N.replicates");
     if (replicates == image.channels.end()) return s;
     for (std::size_t i = 0; i < n; ++i)
@@ -237,6 +238,11 @@ void read_wavelength(Side& s, double nm) {
             v = sqr(v * (s.traced ? 1 : s.few[i]));
         }
     }
+    for (std::size_t c = 0; c < s.near.size() && !s.variances[c].empty(); ++c) {
+        s.near[c] = box_means(s.variances[c], s.image.width, s.image.height, 1);
+        for (std::size_t i = 0; i < s.near[c].size(); ++i)
+            s.near[c][i] = std::max(s.near[c][i], s.variances[c][i]);
+    }
 }
 
 // ---- one quantity ----
@@ -257,8 +263,8 @@ struct Pair {
 // √(e1² + e2²) + p e0, over S0 (DoLP); without the p e0, over 2P (AoLP).
 double polarization_error(const Side& s, std::size_t i, bool angle) {
     const double more = s.traced ? s.few[i] : 1;
-    const double e0 = more * std::sqrt(s.variances[0][i]),
-                 e = more * std::sqrt(s.variances[1][i] + s.variances[2][i]);
+    const double e0 = more * std::sqrt(s.near[0][i]),
+                 e = more * std::sqrt(s.near[1][i] + s.near[2][i]);
     const double S0 = s.stokes[0][i], P = std::hypot(s.stokes[1][i], s.stokes[2][i]);
     if (angle) return P > 0 ? to_degrees(e / (2 * P)) : HUGE_VAL;
     return S0 > 0 ? (e + P / S0 * e0) / S0 : (e > 0 ? HUGE_VAL : 0);
@@ -315,7 +321,7 @@ void fill_errors(Pair& p, const Side& a, const Side& b, const Quantity& qa, cons
         const double va = variance(a), vb = variance(b);
         p.stated[i] = sqr(double{qa.error[i]}) + sqr(double{qb.error[i]});
         if (is_unknown(p.name, qa.error[i]) || is_unknown(p.name, qb.error[i]) ||
-            !std::isfinite(va + vb))
+            (derived && std::max(va, vb) >= sqr(p.period > 0 ? 90 : 1)))
             p.known[i] = 0;
         else
             p.variance_a[i] = va, p.variance_b[i] = vb, p.variance[i] = va + vb;
