@@ -258,6 +258,8 @@ int compare_what(const CompareOptions& options) {
             throw CLI::ValidationError("--baseline", "takes one folder of renders, not two images");
         return compare_with_baseline(options);
     }
+    if (fs::is_directory(options.first) || fs::is_directory(options.second))
+        throw CLI::ValidationError("first", "compare folders with --baseline FOLDER");
     if (options.second.empty())
         throw CLI::ValidationError("second", "name two images, or one folder and --baseline");
     return compare_two(options);

@@ -162,7 +162,8 @@ TEST_CASE("Compare: what cannot be compared is refused in one line", "[cli]") {
         quoted(fs::path(in.path("a.exr")).parent_path().string()) + " --baseline " + in.at("empty"),
         {"holds no image"});
     for (const std::string& wrong :
-         {std::string(), a, a + " " + a + " --baseline " + in.at("empty"),
-          a + " " + a + " --false-alarm-rate 2", a + " " + a + " --max-dolp nan"})
+         {std::string(), a, in.at("empty") + " " + in.at("empty"),
+          a + " " + a + " --baseline " + in.at("empty"), a + " " + a + " --false-alarm-rate 2",
+          a + " " + a + " --max-dolp nan"})
         CHECK(run("compare " + wrong).exit_code == 2);
 }
