@@ -3,6 +3,8 @@
 // Exit    0 done; 1 an input or the run failed; 2 wrong usage; 3 compare found a difference.
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <new>
@@ -105,7 +107,12 @@ int main(int argc, char** argv) {
         // The preview program reads its own options, --help included.
         if (argc > 1 && std::strcmp(argv[1], "preview") == 0)
             malus::cli::run_preview(argc - 1, argv + 1);
-        return run(argc, argv);
+        const int code = run(argc, argv);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout))
+            throw malus::Error("standard output: not written in full (" +
+                               std::string(std::strerror(errno)) +
+                               "); free space there, or write elsewhere");
+        return code;
     } catch (const malus::Error& error) {
         std::cerr << "malus: " << error.what() << '\n';
     } catch (const std::bad_alloc&) {
