@@ -3,6 +3,7 @@
 #include "malus/analysis/detection.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <optional>
@@ -45,6 +46,10 @@ void check_usage(const DetectOptions& options) {
         throw CLI::RequiredError("--target or --target-material");
     if (!choice.ring.empty() && !(choice.ring[0] < choice.ring[1]))
         throw CLI::ValidationError("--ring", "the inner distance is not below the outer one");
+    if (!choice.ring.empty() && choice.ring[1] <= choice.border)
+        throw CLI::ValidationError(
+            "--ring", "ends where --border (" + to_text(choice.border) +
+                          " pixels) leaves out what is next to the target; widen it beyond that");
 }
 
 void check_outputs(const DetectOptions& options) {
@@ -150,7 +155,18 @@ DetectReport report_of(const DetectOptions& options) {
     }
 }
 
-void detect_target(const DetectOptions& options) {
+void drop_repeated(std::vector<std::string>& names) {
+    std::vector<std::string> once;
+    for (const std::string& name : names)
+        if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);
+    names = once;
+}
+
+void detect_target(DetectOptions& options) {
+    DetectChoice& choice = options.choice;
+    for (auto* names : {&choice.target_nodes, &choice.target_materials, &choice.background_nodes,
+                        &choice.background_materials})
+        drop_repeated(*names);
     check_usage(options);
     check_outputs(options);
     const DetectReport report = report_of(options);
@@ -180,7 +196,8 @@ void add_pixel_options(CLI::App& sub, DetectChoice& choice) {
         ->allow_extra_args(false);
     sub.add_option("--ring", choice.ring,
                    "INNER,OUTER: of the background only pixels farther than INNER from the "
-                   "target's nearest pixel and at most OUTER, pixels, e.g. 2,20 [default: all]")
+                   "target's nearest pixel and at most OUTER, pixels, e.g. 2,20; OUTER must exceed "
+                   "--border [default: all]")
         ->delimiter(',')
         ->expected(2)
         ->check(within(0, 1e6));

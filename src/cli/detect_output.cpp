@@ -3,7 +3,6 @@
 #include "cli/detect_output.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -57,9 +56,9 @@ double noise_percent(const Population& p) {
 
 template <class... Values>
 std::string format(const char* form, Values... values) {
-    std::array<char, 400> line;
-    const int length = std::snprintf(line.data(), line.size(), form, values...);
-    return {line.data(), std::min(static_cast<std::size_t>(length), line.size() - 1)};
+    std::string line(static_cast<std::size_t>(std::snprintf(nullptr, 0, form, values...)), ' ');
+    std::snprintf(line.data(), line.size() + 1, form, values...);
+    return line;
 }
 
 // "-" for what is not known.

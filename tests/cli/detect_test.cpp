@@ -157,6 +157,20 @@ TEST_CASE("Detect: known contrasts come out, the best channel first", "[cli]") {
                    Contains("best of all: S1 at 550 nm, ROC area 1.0000 ± 0.0000 (target higher)"));
 }
 
+TEST_CASE("Detect: long and repeated names do not lose the end of a line", "[cli]") {
+    const Folder in;
+    Image image = synthetic();
+    std::vector<std::string> names{"(sky)"};
+    for (char letter : {'a', 'b', 'c', 'd', 'e'}) names.push_back(std::string(150, letter));
+    image.attributes["nodeNames"] = names;
+    const Outcome table =
+        run("detect " + in.write("a.exr", image) + " --border 0 --target " + names[3] +
+            " --target " + names[3] + " --target " + names[4] + " --target " + names[5]);
+    CAPTURE(table.err);
+    CHECK_THAT(table.out, Contains("target: node '" + names[3] + "', node '" + names[4] +
+                                   "', node '" + names[5] + "', 36 pixels\n"));
+}
+
 TEST_CASE("Detect: AoLP that noise hides is left out and counted, also when nothing is left",
           "[cli]") {
     const Folder in;
@@ -285,8 +299,8 @@ TEST_CASE("Detect: wrong usage ends with 2", "[cli]") {
     for (const std::string& wrong :
          {std::string(), image, image + " --target hull --ring 5,5",
           image + " --target hull --ring 5", image + " --target hull --ring -1,5",
-          image + " --target hull --border nan", image + " --target hull --min-coverage 2",
-          image + " --target hull --wavelengths 0"}) {
+          image + " --target hull --ring 0,3 --border 3", image + " --target hull --border nan",
+          image + " --target hull --min-coverage 2", image + " --target hull --wavelengths 0"}) {
         const Outcome result = run("detect " + wrong);
         CAPTURE(wrong, result.err);
         CHECK(result.exit_code == 2);
