@@ -25,7 +25,7 @@ constexpr double kUsualReplicates = 8;
 constexpr double kFewSamples = 8, kFewSkyTable = 16;  // a replicate
 constexpr double kLikeSamples = 1.5;  // times as many samples are still much the same
 constexpr std::size_t kFewestPixels = 16;
-constexpr double kFewestIndependent = 64;  // of skewed noise, whose mean is then near normal
+constexpr double kFewestIndependent = 64;  // of skewed noise: the mean of fewer is not near normal
 constexpr std::array<int, 2> kTiles{8, 16};
 constexpr std::array<const char*, 6> kQuantities{"S0", "S1", "S2", "S3", "DoLP", "AoLP"};
 
@@ -51,6 +51,16 @@ bool differ(const Image& a, const Image& b, const std::string& name) {
     return !x.empty() && !y.empty() && x != y;
 }
 
+// What `read` gives, or its Error with the image's place in the comparison.
+template <class Read>
+auto said_of(const char* which, const Read& read) {
+    try {
+        return read();
+    } catch (const Error& problem) {
+        throw Error(std::string("the ") + which + " image: " + problem.what());
+    }
+}
+
 void check_comparable(const Image& a, const Image& b) {
     if (a.width != b.width || a.height != b.height)
         throw Error("another size (" + size_of(a) + ", " + size_of(b) + ")");
@@ -67,8 +77,9 @@ void check_comparable(const Image& a, const Image& b) {
 
 std::vector<double> shared_wavelengths(const Image& a, const Image& b,
                                        const std::vector<double>& asked_nm) {
-    const std::vector<double> first = wavelengths_of(a, asked_nm),
-                              second = wavelengths_of(b, asked_nm);
+    const std::vector<double> first = said_of("first", [&] { return wavelengths_of(a, asked_nm); }),
+                              second =
+                                  said_of("second", [&] { return wavelengths_of(b, asked_nm); });
     bool same = first.size() == second.size();
     for (double nm : first) same = same && find_wavelength(second, nm);
     if (!same)
@@ -113,14 +124,25 @@ bool share_seeds(const Image& a, const Image& b) {
 bool same_numbers(const Image& a, const Image& b) {
     for (const char* name : {"seed", "skyTable", "maxDepth", "malusVersion"})
         if (attribute(a, name).empty() || attribute(a, name) != attribute(b, name)) return false;
-    return same_channel(a, b, "N.samples") && same_channel(a, b, "N.replicates");
+    return stokes_wavelengths(a) == stokes_wavelengths(b) && same_channel(a, b, "N.samples") &&
+           same_channel(a, b, "N.replicates");
 }
 
 Errors errors_of(const Image& a, const Image& b, const std::vector<double>& wavelengths_nm) {
     if (same_numbers(a, b)) return Errors::kSameNumbers;
-    if (!has_errors(a, wavelengths_nm) || !has_errors(b, wavelengths_nm)) return Errors::kNone;
+    const bool a_has = said_of("first", [&] { return has_errors(a, wavelengths_nm); }),
+               b_has = said_of("second", [&] { return has_errors(b, wavelengths_nm); });
+    if (!a_has || !b_has) return Errors::kNone;
     const bool traced = attribute(a, "skyTable") == "0" && attribute(b, "skyTable") == "0";
     return traced ? Errors::kIndependent : Errors::kShared;
+}
+
+std::set<std::string> material_names(const Image& image) {
+    const auto found = image.attributes.find("materialNames");
+    if (found == image.attributes.end()) return {};
+    const auto* names = std::get_if<std::vector<std::string>>(&found->second);
+    if (!names || names->empty()) return {};
+    return {names->begin() + 1, names->end()};  // the first is that of no surface
 }
 
 std::vector<std::string> notes_on(const Image& a, const Image& b, Errors errors) {
@@ -143,6 +165,14 @@ std::vector<std::string> notes_on(const Image& a, const Image& b, Errors errors)
             "pixels may share errors (sky table), which hides small differences of a whole "
             "picture; "
             "render both with --no-sky-table to find them");
+    for (const auto& [x, y] : {std::pair(&a, &b), {&b, &a}})
+        for (const std::string& name : material_names(*x))
+            if (!material_names(*y).empty() && !material_names(*y).count(name))
+                notes.push_back("only the " + std::string(x == &a ? "first" : "second") +
+                                " image has a paint '" + one_line(name) +
+                                "': its pixels are tested as part of all surfaces");
+    // Hashes of paints and sky are of what all wavelengths of a render need of them.
+    const bool same_set = stokes_wavelengths(a) == stokes_wavelengths(b);
     constexpr std::array<std::pair<const char*, const char*>, 6> kMayDiffer{
         {{"sceneHash", "the scene"},
          {"paintsHash", "the paints"},
@@ -151,7 +181,8 @@ std::vector<std::string> notes_on(const Image& a, const Image& b, Errors errors)
          {"malusVersion", "the version of malus"},
          {"dolpEstimator", "the estimator of DoLP; compared is that of the Stokes vectors"}}};
     for (const auto& [name, what] : kMayDiffer)
-        if (differ(a, b, name))
+        if (differ(a, b, name) &&
+            (same_set || (name != std::string("paintsHash") && name != std::string("skyHash"))))
             notes.push_back("by their headers they differ in " + std::string(what) + " (" + name +
                             ": " + attribute(a, name) + ", " + attribute(b, name) + ")");
     return notes;
@@ -190,6 +221,13 @@ Numbers means_around(const Numbers& v, int width, int height, int reach) {
     for (std::size_t i = 0; i < v.size(); ++i)
         means[i] = std::max(0.0, means[i] - v[i]) / std::max(1.0, counts[i] - 1);
     return means;
+}
+
+// All pixels where none shows a surface.
+Mask surfaces_of(const Image& a, const Image& b) {
+    Mask surfaces = both(surface_mask(a), surface_mask(b));
+    if (count(surfaces) == 0) surfaces.assign(a.pixel_count(), 1);
+    return surfaces;
 }
 
 // One image's share in a comparison.
@@ -321,7 +359,7 @@ void fill_errors(Pair& p, const Side& a, const Side& b, const Quantity& qa, cons
         const double va = variance(a), vb = variance(b);
         p.stated[i] = sqr(double{qa.error[i]}) + sqr(double{qb.error[i]});
         if (is_unknown(p.name, qa.error[i]) || is_unknown(p.name, qb.error[i]) ||
-            (derived && std::max(va, vb) >= sqr(p.period > 0 ? 90 : 1)))
+            !std::isfinite(va + vb) || (derived && std::max(va, vb) >= sqr(p.period > 0 ? 90 : 1)))
             p.known[i] = 0;
         else
             p.variance_a[i] = va, p.variance_b[i] = vb, p.variance[i] = va + vb;
@@ -373,7 +411,11 @@ double off(const Pair& p, std::size_t i) {
 // Pixels that only one image has a number for are a problem; those that neither has are left out.
 void leave_out_unfinite(Pair& p, QuantityComparison& result, int width) {
     for (std::size_t i = 0; i < p.a.size(); ++i) {
-        if (std::isfinite(p.a[i]) && std::isfinite(p.b[i])) continue;
+        if (std::isfinite(p.a[i]) && std::isfinite(p.b[i])) {
+            // Without S0 nobody knows what counts.
+            if (std::isnan(p.scale[i])) p.known[i] = 0;
+            continue;
+        }
         p.known[i] = 0;
         if (std::isfinite(p.a[i]) != std::isfinite(p.b[i]) && result.problems.empty())
             result.problems.push_back("not a number in one image at " + pixel_name(i, width));
@@ -393,8 +435,7 @@ void measure(const Pair& p, QuantityComparison& result) {
         beyond += d * d > 9 * p.stated[i] ? 1 : 0;
     }
     if (result.pixels > 0) result.rms = std::sqrt(squares / static_cast<double>(result.pixels));
-    if (judged > 0)
-        result.z_rms = std::sqrt(z_squares / judged), result.beyond_three = beyond / judged;
+    result.z_rms = std::sqrt(z_squares / judged), result.beyond_three = beyond / judged;
 }
 
 // ---- tests ----
@@ -447,24 +488,17 @@ void add_regions(std::vector<Region>& regions, const std::string& material, cons
                 add(x, y, tile, tile, static_cast<std::size_t>(tile * tile / 4));
 }
 
+// Each material; all surfaces where the images do not have the same materials.
 std::vector<Region> regions_of(const Image& a, const Image& b) {
     std::vector<Region> regions;
-    const auto found = a.attributes.find("materialNames");
-    const auto* names = found == a.attributes.end()
-                            ? nullptr
-                            : std::get_if<std::vector<std::string>>(&found->second);
-    if (!names || !a.channels.count("material.id") || !b.channels.count("material.id") ||
-        !b.attributes.count("materialNames")) {
-        add_regions(regions, "", both(surface_mask(a), surface_mask(b)), a.width, a.height);
-        return regions;
-    }
-    for (std::size_t m = 1; m < names->size(); ++m) try {
-            add_regions(regions, (*names)[m],
-                        both(material_mask(a, (*names)[m]), material_mask(b, (*names)[m])), a.width,
-                        a.height);
-        } catch (const Error&) {
-            // The other image has no such material: its pixels are tested one by one.
-        }
+    const bool ids = a.channels.count("material.id") && b.channels.count("material.id");
+    const std::set<std::string> first = material_names(a), second = material_names(b);
+    if (!ids || first != second || first.empty())
+        add_regions(regions, "", surfaces_of(a, b), a.width, a.height);
+    for (const std::string& name : first)
+        if (ids && second.count(name))
+            add_regions(regions, name, both(material_mask(a, name), material_mask(b, name)),
+                        a.width, a.height);
     return regions;
 }
 
@@ -484,8 +518,8 @@ RegionScore score(const Pair& p, const Region& region, const Numbers& around, Er
     }
     if (n < static_cast<double>(kFewestPixels) || !(squares > 0)) return {};
     const double relative = light > 0 ? sum / light : 0;
-    if (errors == Errors::kIndependent && n < kFewestIndependent) return {};
-    if (errors != Errors::kIndependent) return {std::abs(sum) / bound, degrees / n, relative};
+    if (errors != Errors::kIndependent || n < kFewestIndependent)
+        return {std::abs(sum) / bound, degrees / n, relative};
     const double ratio = sum * sum / squares;  // at most n
     return {std::sqrt(ratio * (n - 1) / std::max(n - ratio, 1e-12 * n)), n - 1, relative};
 }
@@ -564,7 +598,7 @@ void test_limits(const Pair& p, const CompareSettings& settings, Errors errors, 
         std::optional<double> limit = user_limit(p, settings, i);
         if (!limit && identical) limit = kIdentical * p.scale[i];
         const double d = std::abs(off(p, i));
-        if (!limit || d <= *limit) continue;
+        if (!limit || !(d > *limit)) continue;
         ++over;
         if (d > worst) worst = d, worst_at = i, its_limit = *limit;
     }
@@ -629,11 +663,12 @@ Comparison compare(const Image& a, const Image& b, const CompareSettings& settin
     result.notes = notes_on(a, b, result.errors);
     const Tests tests(a, b, result.errors, settings.false_alarm_rate, wavelengths.size());
     result.tests = tests.count;
-    const Mask surfaces = both(surface_mask(a), surface_mask(b));
+    const Mask surfaces = surfaces_of(a, b);
     const bool raw_dolp = differ(a, b, "dolpEstimator");
     Side first = side(a), second = side(b);
     for (double nm : wavelengths) {
-        read_wavelength(first, nm), read_wavelength(second, nm);
+        said_of("first", [&] { read_wavelength(first, nm); });
+        said_of("second", [&] { read_wavelength(second, nm); });
         for (const char* name : kQuantities) {
             QuantityComparison q;
             q.name = name, q.wavelength_nm = nm;

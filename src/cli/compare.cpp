@@ -97,6 +97,18 @@ Json json_of(const Comparison& c, int width) {
     return all;
 }
 
+// Names of files and paints need not be UTF-8.
+void print_json(const Json& json) {
+    std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+// "-" for what is not known.
+std::string cell(const char* form, double x) {
+    std::array<char, 64> text;
+    std::snprintf(text.data(), text.size(), form, x);
+    return std::isnan(x) ? "-" : text.data();
+}
+
 std::string ratio_text(double t, double limit) {
     std::array<char, 64> text;
     std::snprintf(text.data(), text.size(), "%6.3g (%.3g)", t, limit);
@@ -114,8 +126,8 @@ void print_table(const Comparison& c, int width) {
                     to_text(q.wavelength_nm).c_str(), q.pixels, q.largest,
                     q.largest > 0 ? at.c_str() : "-", q.rms);
         if (q.limit > 0)
-            std::printf(" %5.2f %% %6.2f  %-15s", 100 * q.beyond_three, q.z_rms,
-                        ratio_text(q.t, q.limit).c_str());
+            std::printf(" %7s %6s  %-15s", cell("%.2f %%", 100 * q.beyond_three).c_str(),
+                        cell("%.2f", q.z_rms).c_str(), ratio_text(q.t, q.limit).c_str());
         if (q.region) std::printf(" %s", ratio_text(q.region->t, q.region->limit).c_str());
         std::printf("%s\n", q.problems.empty() ? "" : "  DIFFERS");
     }
@@ -150,7 +162,8 @@ Comparison compare_files(const std::string& a, const std::string& b,
     try {
         return compare(first, second, settings);
     } catch (const Error& problem) {
-        throw Error(b + ": cannot be compared with " + a + ": " + problem.what());
+        throw Error(b + " (second image): cannot be compared with " + a +
+                    " (first image): " + problem.what());
     }
 }
 
@@ -160,7 +173,7 @@ int compare_two(const CompareOptions& options) {
     const int code = c.alike() ? 0 : kDifference;
     if (options.quiet && !options.json) return code;
     if (options.json) {
-        std::printf("%s\n", json_of(c, width).dump(2).c_str());
+        print_json(json_of(c, width));
         return code;
     }
     print_table(c, width);
@@ -239,7 +252,7 @@ int compare_with_baseline(const CompareOptions& options) {
                                     {"verdict", v.alike ? kSame : kDifferent},
                                     {"why", v.verdict},
                                     {"comparison", v.details}});
-        std::printf("%s\n", all.dump(2).c_str());
+        print_json(all);
         return code;
     }
     if (options.quiet) return code;
@@ -253,6 +266,11 @@ int compare_with_baseline(const CompareOptions& options) {
 }
 
 int compare_what(const CompareOptions& options) {
+    const CompareSettings& s = options.settings;
+    if (!(s.false_alarm_rate > 0) && !s.most_relative && !s.most_dolp && !s.most_aolp_deg &&
+        !s.most_hellinger)
+        throw CLI::ValidationError("--false-alarm-rate",
+                                   "0 leaves nothing to judge by; give a limit, e.g. --max-dolp");
     if (!options.baseline.empty()) {
         if (!options.second.empty())
             throw CLI::ValidationError("--baseline", "takes one folder of renders, not two images");
@@ -274,9 +292,11 @@ void add_limits(CLI::App& sub, CompareSettings& settings) {
         ->check(within(0, 0.5))
         ->capture_default_str();
     const char* group = "Limits (of each pixel, unless it says otherwise; besides the error bars)";
-    sub.add_option("--max-relative", settings.most_relative,
-                   "Most that S0 to S3 may differ by, as a share of the larger S0, 1 [none; 1e-5 "
-                   "where images have no error bars]")
+    sub.add_option(
+           "--max-relative", settings.most_relative,
+           "Most that S0 to S3 may differ by, as a share of the larger S0, 1 (where that is "
+           "below a thousandth of the picture's mean, of this thousandth) [none; 1e-5 "
+           "where images have no error bars]")
         ->check(within(0, 1e9))
         ->group(group);
     sub.add_option("--max-dolp", settings.most_dolp,

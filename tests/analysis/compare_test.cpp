@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "malus/analysis/student.h"
 #include "malus/core/error.h"
 #include "malus/io/spectral_image.h"
 #include "support/catch.h"
@@ -144,13 +145,23 @@ TEST_CASE("Compare: z-scores are those of both error bars") {
     const Comparison c = compare(a, b);
     CHECK(c.alike());
     CHECK(c.errors == Errors::kIndependent);
-    const auto at = [](const Image& image, const char* name) {
-        return double{spectral_data(image, name, 550)[100]};
+    const auto at = [](const Image& image, const char* name, std::size_t i) {
+        return double{spectral_data(image, name, 550)[i]};
     };
     // The whole picture of one pixel's z, 384 times: √(14/12) = 1.080 of Student's t, ± 4 %.
     CHECK(find(c, "S0").z_rms == near(1.080, 0.16));
-    CHECK(find(c, "S0").largest > std::abs(at(a, "S0") - at(b, "S0")));
-    CHECK(find(c, "S0").limit == near(8.9, 1.5));
+    double largest = 0;
+    for (std::size_t i = 0; i < a.pixel_count(); ++i)
+        largest = std::max(largest, std::abs(at(a, "S0", i) - at(b, "S0", i)));
+    CHECK(find(c, "S0").largest == near(largest, 1e-12));
+    // Half of the rate for the tests of 384 pixels by six quantities. Of seven and of seven degrees of
+    // freedom come 7 (one image has all the variance) to 14 (both the same).
+    const double share = 0.01 / 2 / (6 * 384);
+    CHECK(find(c, "S0").limit <= student_limit(share, 7) * 1.001);
+    CHECK(find(c, "S0").limit >= student_limit(share, 14) * 0.999);
+    // S0 beyond three errors: 0.0096 of Student's t with 14 degrees, 0.0199 with 7; 384 pixels, of which
+    // more than 18 are in 1e-4 of all cases even at 0.0199.
+    CHECK(find(c, "S0").beyond_three <= 18. / 384);
 }
 
 TEST_CASE("Compare: one pixel off by ten standard errors is found", "[statistical]") {
@@ -278,8 +289,102 @@ TEST_CASE("Compare: images that cannot be compared are refused with the reason")
         },
         "other wavelengths (550, the other 550, 600 nm); choose --wavelengths");
     refused([](Image& b) { b.channels.erase(spectral_channel("S1", 550)); }, "S1");
-    refused([](Image& b) { of(b, "StdErr_S1")[3] = -1; }, "'StdErr_S1' of 550 nm holds what is no");
+    refused([](Image& b) { of(b, "StdErr_S1")[3] = -1; },
+            "the second image: channel 'StdErr_S1' of 550 nm holds what is no");
+    Image spoiled = a;
+    of(spoiled, "StdErr_S1")[3] = NAN;
+    CHECK_THROWS_WITH(compare(spoiled, noisy_image(2, false)),
+                      Contains("the first image: channel 'StdErr_S1' of 550 nm"));
     CompareSettings elsewhere;
     elsewhere.wavelengths_nm = {600};
+    refused([](Image&) {}, "the first image: ", elsewhere);
     refused([](Image&) {}, "no 600 nm", elsewhere);
+}
+
+TEST_CASE("Compare: the same seed with other wavelengths draws other numbers") {
+    Image a = noisy_image(1, false), b = noisy_image(2, false);
+    for (Image* image : {&a, &b}) {
+        for (const auto& [name, value] :
+             {std::pair("malusVersion", "0.1.0"), {"maxDepth", "2"}, {"seed", "1"}})
+            image->attributes[name] = std::string(value);
+        image->attributes["paintsHash"] = image == &a ? "a" : "b";
+    }
+    CHECK(compare(a, b).errors == Errors::kSameNumbers);
+    CHECK_FALSE(compare(a, b).alike());
+    const auto speaks_of_paints = [](const Comparison& c) {
+        return std::any_of(c.notes.begin(), c.notes.end(), [](const std::string& note) {
+            return note.find("paintsHash") != std::string::npos;
+        });
+    };
+    CHECK(speaks_of_paints(compare(a, b)));
+    // Hashes of a paint at 550 and at 550 and 600 nm always differ.
+    for (const char* s : {"S0", "S1", "S2", "S3"}) b.channel(spectral_channel(s, 600)) = of(b, s);
+    CompareSettings settings;
+    settings.wavelengths_nm = {550};
+    CHECK(compare(a, b, settings).errors == Errors::kIndependent);
+    CHECK(compare(a, b, settings).alike());
+    CHECK_THAT(compare(a, b, settings).notes.front(), Contains("seed in common"));
+    CHECK_FALSE(speaks_of_paints(compare(a, b, settings)));
+}
+
+TEST_CASE("Compare: a pixel that lacks S0 alone is left out of the others") {
+    Image a = plain_image();
+    of(a, "S0")[4] = NAN;
+    const Comparison c = compare(a, a);
+    CAPTURE(c.problem());
+    CHECK(c.alike());
+    CHECK(find(c, "S1").pixels == 383);
+    Image b = noisy_image(2, false), d = noisy_image(3, false);
+    of(b, "S0")[4] = of(d, "S0")[4] = NAN;
+    CHECK(compare(b, d).alike());
+}
+
+TEST_CASE("Compare: paints of other names in both are tested as one surface") {
+    Image a = noisy_image(1, false), b = noisy_image(2, false);
+    for (float& x : of(b, "S0")) x *= 1.008f;
+    const auto name = [](Image& image, const std::string& paint) {
+        image.attributes["materialNames"] = std::vector<std::string>{"", "same", paint};
+        image.channel("material.id").assign(image.pixel_count(), 2);
+    };
+    name(a, "black"), name(b, "black");
+    CHECK_THAT(compare(a, b).problem(), Contains("384 pixels of black"));
+    name(b, "noir");
+    const Comparison c = compare(a, b);
+    CHECK_THAT(c.problem(), Contains("over 384 pixels") && !Contains("pixels of"));
+    REQUIRE(c.notes.size() == 2);
+    CHECK_THAT(c.notes[0], Contains("only the first image has a paint 'black'"));
+    CHECK_THAT(c.notes[1], Contains("only the second image has a paint 'noir'"));
+}
+
+TEST_CASE("Compare: a small surface is a region, too") {
+    // 20 pixels, all off by three of their errors: the bound of shared errors, t = 3, is far below
+    // its limit; by 12, t = 12, it is not.
+    for (const auto& [errors, found] : {std::pair(3.0, false), {12.0, true}}) {
+        Image a = noisy_image(1, false), b = noisy_image(2, false);
+        for (Image* image : {&a, &b}) {
+            image->attributes["materialNames"] = std::vector<std::string>{"", "small"};
+            std::vector<float>& ids = image->channel("material.id");
+            for (std::size_t i = 100; i < 120; ++i) ids[i] = 1;
+        }
+        for (std::size_t i = 100; i < 120; ++i)
+            of(b, "S0")[i] += static_cast<float>(errors * 0.01 * std::sqrt(2));
+        const QuantityComparison q = find(compare(a, b), "S0");
+        REQUIRE(q.region);
+        CHECK(q.region->pixels == 20);
+        CHECK(q.region->t == near(errors, 0.35 * errors));  // 20 pixels' own errors of 7 degrees
+        CHECK((q.region->t > q.region->limit) == found);
+    }
+}
+
+TEST_CASE("Compare: histograms of images without any surface are of all pixels") {
+    Image a = plain_image(), b = a;
+    a.channel("A").assign(a.pixel_count(), 0), b.channel("A").assign(b.pixel_count(), 0);
+    for (std::size_t i = 0; i < a.pixel_count() / 4; ++i) of(b, "S0")[i] = 0.5f;
+    CompareSettings settings;
+    settings.most_relative = 1, settings.most_dolp = 1, settings.most_aolp_deg = 90;
+    CHECK(find(compare(a, b, settings), "S0").histograms.hellinger ==
+          near(std::sqrt(1 - std::sqrt(0.75)), 1e-9));
+    CHECK(std::isnan(find(compare(a, b, settings), "S0").z_rms));
+    settings.most_hellinger = 0.3;
+    CHECK_THAT(compare(a, b, settings).problem(), Contains("Hellinger; limit 0.3"));
 }

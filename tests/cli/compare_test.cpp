@@ -1,5 +1,8 @@
 // compare_test.cpp — malus compare as its users meet it: verdicts, exit codes, folders.
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/wait.h>
+
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "malus/io/exr.h"
@@ -134,6 +137,34 @@ TEST_CASE("Compare: a folder of renders against a folder of references", "[cli]"
     CHECK_THAT(broken.out, Contains("b.exr  same: ") && Contains("differ"));
 }
 
+TEST_CASE("Compare: names that are no UTF-8 do not spoil the JSON", "[cli]") {
+    const Renders in;
+    const std::string a = in.render("a.exr", 1);
+    fs::create_directories(in.path("new")), fs::create_directories(in.path("old"));
+    fs::copy(in.path("a.exr"), in.path("new/b\xff.exr"));
+    fs::copy(in.path("a.exr"), in.path("old/b\xff.exr"));
+    const Outcome result = run("compare --json " + in.at("new") + " --baseline " + in.at("old"));
+    CAPTURE(result.err);
+    CHECK(result.exit_code == 0);
+    const std::string name = Json::parse(result.out).at("files").at(0).at("file");
+    CHECK_THAT(name, Catch::StartsWith("b") && Catch::EndsWith(".exr"));
+}
+
+TEST_CASE("Compare: a result that cannot be written is no success", "[cli]") {
+    const Renders in;
+    const std::string a = in.render("a.exr", 1), b = in.render("b.exr", 2);
+    for (const std::string& arguments : {"compare " + a + " " + b, std::string("--help")}) {
+        const int status = std::system(
+            (quoted(MALUS_PROGRAM) + " " + arguments + " >/dev/full 2>" + quoted(in.path("err")))
+                .c_str());
+        REQUIRE(WIFEXITED(status));
+        CHECK(WEXITSTATUS(status) == 1);
+        CHECK(read_text(in.path("err")) ==
+              "malus: standard output: not written in full (No space left on device); free space "
+              "there, or write elsewhere\n");
+    }
+}
+
 TEST_CASE("Compare: what cannot be compared is refused in one line", "[cli]") {
     const Renders in;
     const std::string a = in.render("a.exr", 1);
@@ -144,9 +175,9 @@ TEST_CASE("Compare: what cannot be compared is refused in one line", "[cli]") {
         CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
         for (const std::string& word : words) CHECK_THAT(result.err, Contains(word));
     };
-    refused(
-        a + " " + in.render("small.exr", 2, "--wavelengths 440,600 --width 12"),
-        {"small.exr: cannot be compared with", "another size (24 x 16 pixels, 12 x 16 pixels)"});
+    refused(a + " " + in.render("small.exr", 2, "--wavelengths 440,600 --width 12"),
+            {"small.exr (second image): cannot be compared with",
+             "another size (24 x 16 pixels, 12 x 16 pixels)"});
     refused(
         a + " " + in.render("side.exr", 2, "--wavelengths 440,600 --width 24 --view-azimuth 10"),
         {"another view of the scene"});
@@ -154,7 +185,8 @@ TEST_CASE("Compare: what cannot be compared is refused in one line", "[cli]") {
     refused(a + " " + red,
             {"other wavelengths (440, 600, the other 600 nm); choose --wavelengths"});
     CHECK(run("compare --quiet --wavelengths 600 " + a + " " + red).exit_code == 0);
-    refused(a + " " + shipped("skies/rayleigh_60.exr"), {"rayleigh_60.exr: cannot be compared"});
+    refused(a + " " + shipped("skies/rayleigh_60.exr"),
+            {"rayleigh_60.exr (second image): cannot be compared"});
     refused(a + " " + in.at("absent.exr"), {"absent.exr: file not found"});
     refused(a + " --baseline " + in.at("absent"), {"cannot be read as a folder"});
     fs::create_directory(in.path("empty"));
@@ -164,6 +196,6 @@ TEST_CASE("Compare: what cannot be compared is refused in one line", "[cli]") {
     for (const std::string& wrong :
          {std::string(), a, in.at("empty") + " " + in.at("empty"),
           a + " " + a + " --baseline " + in.at("empty"), a + " " + a + " --false-alarm-rate 2",
-          a + " " + a + " --max-dolp nan"})
+          a + " " + a + " --false-alarm-rate 0", a + " " + a + " --max-dolp nan"})
         CHECK(run("compare " + wrong).exit_code == 2);
 }

@@ -1,10 +1,11 @@
 // compare.h — do two images differ by more than their error bars say?
 //
 //   pixel   t = d/e,  d = a − b,  e² = max(v, mean of v over its 3 × 3 pixels) + r²,  v = e_a² + e_b²
-//   region  t = Σ w d/√(Σ w² d²), made Student's by its n pixels, where pixels have errors of their own
-//           t = Σ w d/Σ w e                                     where they may share them (sky table)
+//   region  t = Σ w d/√(Σ w² d²), made Student's by its n ≥ 64 pixels, where pixels have errors of their own
+//           t = Σ w d/Σ w e      of fewer pixels, and where they may share errors (sky table)
 //           w = 1/√(mean of v over the other pixels of its 5 × 5); S0 to S3 only, which are unbiased
-//   regions: each material, and its part in each tile of 8 × 8 and of 16 × 16 pixels
+//   regions: each material of 16 pixels or more, and its part in each tile of 8 × 8 and of 16 × 16 pixels
+//            of which it has a quarter or more; all surfaces, too, if the images name other materials
 //   t of noise alone follows Student's t with Welch's degrees of freedom, 7 to 14 for 8 replicates.
 //
 // A share of half the false-alarm rate falls to all pixels together, half to all regions (Bonferroni).
@@ -34,7 +35,7 @@ namespace malus {
 struct CompareSettings {
     std::vector<double> wavelengths_nm;  ///< none: all
     double false_alarm_rate = 0.01;      ///< of one comparison of honest images; 0: no such tests
-    std::optional<double> most_relative;  ///< of S0 to S3 in a pixel: |a − b|/S0, S0 the larger one
+    std::optional<double> most_relative;  ///< of S0 to S3 in a pixel: |a − b|/S0, S0 the larger one, see above
     std::optional<double> most_dolp;      ///< |a − b| in a pixel
     std::optional<double> most_aolp_deg;   ///< in a pixel, the shorter way round, where it is known
     std::optional<double> most_hellinger;  ///< between the histograms of any quantity
@@ -49,7 +50,7 @@ enum class Errors {
 };
 
 struct RegionDifference {
-    std::string material;                     ///< empty where images have no such names
+    std::string material;                     ///< empty for all surfaces
     int x = 0, y = 0, width = 0, height = 0;  ///< of the tile, or the whole picture
     std::size_t pixels = 0;
     double relative = 0;  ///< Σ w (a − b)/Σ w S0
@@ -64,12 +65,12 @@ struct QuantityComparison {
     double largest = 0;      ///< |a − b|
     std::size_t largest_at = 0;
     double rms = 0;
-    double beyond_three = 0;  ///< share of the pixels whose |a − b| exceeds 3√(e_a² + e_b²)
-    double z_rms = 0;         ///< of (a − b)/√(e_a² + e_b²)
+    double beyond_three = 0;  ///< share of pixels with |a − b| > 3√(e_a² + e_b²); NaN without errors
+    double z_rms = 0;         ///< of (a − b)/√(e_a² + e_b²); NaN without errors
     double t = 0, limit = 0;  ///< of the pixel with the largest t/limit; 0 if not tested
     std::size_t t_at = 0;
     std::optional<RegionDifference> region;  ///< the one with the largest t/limit
-    HistogramDistances histograms{};         ///< of shares of pixels that show a surface, 100 bins
+    HistogramDistances histograms{};         ///< of shares of pixels that show a surface, or of all, 100 bins
     std::vector<std::string> problems;       ///< why it differs; none if it does not
 };
 
