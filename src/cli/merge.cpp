@@ -134,7 +134,7 @@ void merge(const MergeOptions& options, const std::string& command_line) {
         }
     }
     Image image =
-        to_image(film, labels, options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
+        described(film, labels, options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.merge(headers.merged());
     image.attributes["commandLine"] = command_line;
     image.attributes["mergedFrom"] = options.images;

@@ -129,8 +129,8 @@ Image make_header(const RenderOptions& options, const Inputs& inputs,
 
 void write_image(const std::string& path, const RenderResult& result, const Labels& labels,
                  const RenderOptions& options, const Image& header) {
-    Image image = to_image(result.film, labels,
-                           options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
+    Image image = described(result.film, labels,
+                            options.debias ? DolpEstimator::kDebiased : DolpEstimator::kRaw);
     image.attributes.insert(header.attributes.begin(), header.attributes.end());
     image.attributes["stoppedBy"] = to_text(result.stopped_by);
     const Compression as = options.compress ? Compression::kZip : Compression::kNone;

@@ -144,20 +144,24 @@ void write_exposure(const std::filesystem::path& path, const Exposure& e) {
     add(image, "Sum.instance", e.instance);
     add(image, "Sum.votes", e.votes);
     const std::size_t wavelengths = e.wavelengths_nm.size();
+    // One of `stride` numbers a pixel, the first at `first`.
+    const auto add_strided = [&](const std::string& name, const auto* first, std::size_t stride,
+                                 float divisor) {
+        image.computed[name] = [=](std::size_t from, std::size_t to, float* numbers) {
+            for (std::size_t i = from; i < to; ++i)
+                numbers[i - from] = static_cast<float>(first[i * stride]) / divisor;
+        };
+    };
     for (std::size_t r = 0; r < e.replicates; ++r) {
-        std::vector<float>& kept = image.channel(kept_channel(r));
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            kept[i] = static_cast<float>(e.kept[i * e.replicates + r]);
-        for (std::size_t w = 0; w < wavelengths; ++w) {
-            std::vector<float>& shares = image.channel(open_channel(r, e.wavelengths_nm[w]));
-            for (std::size_t i = 0; i < shares.size(); ++i)
-                shares[i] =
-                    static_cast<float>(e.open[(i * e.replicates + r) * wavelengths + w]) / 255;
-        }
+        add_strided(kept_channel(r), e.kept.data() + r, e.replicates, 1);
+        for (std::size_t w = 0; w < wavelengths; ++w)
+            add_strided(open_channel(r, e.wavelengths_nm[w]), e.open.data() + r * wavelengths + w,
+                        e.replicates * wavelengths, 255);
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t w = 0; w < wavelengths; ++w)
-                image.borrowed[sum_channel(r, c, e.wavelengths_nm[w])] = {
-                    e.stokes.data() + (c * wavelengths + w) * e.replicates + r, e.pixel_stride()};
+                add_strided(sum_channel(r, c, e.wavelengths_nm[w]),
+                            e.stokes.data() + (c * wavelengths + w) * e.replicates + r,
+                            e.pixel_stride(), 1);
     }
     write_exr(path, image, Compression::kNone);
 }

@@ -16,6 +16,7 @@
 #include <ImfThreading.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include "malus/core/error.h"
@@ -51,12 +52,10 @@ void collect_attributes(const Imf::Header& header, Image& image) {
     }
 }
 
-// Floats, `stride` from pixel to pixel, whose first stands at (window.min.x, window.min.y).
-Imf::Slice slice(const float* data, const Imath::Box2i& window, std::size_t stride = 1) {
-    const std::size_t pixel = stride * sizeof(float);
-    const std::size_t row = pixel * static_cast<std::size_t>(window.max.x - window.min.x + 1);
+// Floats whose first stands at (window.min.x, window.min.y).
+Imf::Slice slice(const float* data, const Imath::Box2i& window) {
     // OpenEXR takes char* for input and output alike.
-    return Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(data), window, pixel, row);
+    return Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(data), window);
 }
 
 void check_size(const Imath::Box2i& window) {
@@ -65,6 +64,9 @@ void check_size(const Imath::Box2i& window) {
     if (width < 1 || height < 1 || width * height > (std::int64_t{1} << 31))
         throw Error("the picture is empty or has over 2³¹ pixels");
 }
+
+constexpr int kRows = 16;                            // that ZIP takes at once
+constexpr std::size_t kNumbersAtOnce = 32ull << 20;  // computed and kept until they are written
 
 enum class Wanted { kAll, kHeader };
 
@@ -106,7 +108,71 @@ Image read(const fs::path& path, Wanted wanted) {
     }
 }
 
+int thread_count() {
+    return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// Numbers of a computed channel: pixel `from` goes to first[0].
+struct Target {
+    const ComputedChannel* of;
+    float* first;
+};
+
+// Pixels [from, to), in blocks whose sources stay in the cache from channel to channel, shared by threads.
+void compute(const std::vector<Target>& targets, std::size_t from, std::size_t to) {
+    constexpr std::size_t kBlock = 64;
+    std::atomic<std::size_t> next = from;
+    const auto work = [&] {
+        for (std::size_t at; (at = next.fetch_add(kBlock)) < to;)
+            for (const Target& target : targets)
+                (*target.of)(at, std::min(at + kBlock, to), target.first + (at - from));
+    };
+    std::vector<std::jthread> helpers;
+    if (to - from > 16 * kBlock)
+        for (int t = 1; t < thread_count(); ++t) helpers.emplace_back(work);
+    work();
+}
+
+// A block of rows a thread, fewer where they are large.
+int rows_at_once(const Image& image, int threads) {
+    const std::size_t block = image.computed.size() * kRows * static_cast<std::size_t>(image.width);
+    const std::size_t blocks = kNumbersAtOnce / std::max<std::size_t>(1, block);
+    return kRows *
+           static_cast<int>(std::clamp<std::size_t>(blocks, 1, static_cast<std::size_t>(threads)));
+}
+
+// Computed channels stand in memory for some rows at a time: of a large image they are more than all
+// else that a render needs, and fresh pages cost as much as their numbers.
+void write_rows(Imf::OutputFile& file, const Image& image, const Imf::FrameBuffer& whole,
+                int rows) {
+    const auto width = static_cast<std::size_t>(image.width);
+    std::vector<float> numbers(image.computed.size() * width * static_cast<std::size_t>(rows));
+    std::vector<Target> targets;
+    for (const auto& [name, channel] : image.computed)
+        targets.push_back(
+            {&channel, numbers.data() + targets.size() * width * static_cast<std::size_t>(rows)});
+    for (int y = 0; y < image.height; y += rows) {
+        const int end = std::min(y + rows, image.height);
+        compute(targets, static_cast<std::size_t>(y) * width,
+                static_cast<std::size_t>(end) * width);
+        const Imath::Box2i window({0, y}, {image.width - 1, end - 1});
+        Imf::FrameBuffer frame = whole;
+        std::size_t i = 0;
+        for (const auto& [name, channel] : image.computed)
+            frame.insert(name, slice(targets[i++].first, window));
+        file.setFrameBuffer(frame);
+        file.writePixels(end - y);
+    }
+}
+
 }  // namespace
+
+void Image::compute_channels() {
+    std::vector<Target> targets;
+    for (const auto& [name, of] : computed) targets.push_back({&of, channel(name).data()});
+    compute(targets, 0, pixel_count());
+    computed.clear();
+}
 
 std::vector<float>& Image::channel(const std::string& name) {
     std::vector<float>& data = channels[name];
@@ -151,17 +217,14 @@ void write_exr(const fs::path& path, const Image& image, Compression compression
         header.channels().insert(name, Imf::Channel(Imf::FLOAT));
         frame.insert(name, slice(data.data(), window));
     }
-    for (const auto& [name, channel] : image.borrowed) {
+    for (const auto& [name, channel] : image.computed)
         header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-        frame.insert(name, slice(channel.first, window, channel.stride));
-    }
     write_whole(path, [&](const fs::path& beside) {
         // Compression is most of the work; threads of OpenEXR's pool share it.
-        const auto threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        const int threads = thread_count();
         if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
         Imf::OutputFile file(beside.c_str(), header, threads);
-        file.setFrameBuffer(frame);
-        file.writePixels(image.height);
+        write_rows(file, image, frame, rows_at_once(image, threads));
     });
 }
 

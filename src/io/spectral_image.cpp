@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
 #include <map>
-#include <thread>
 
 #include "malus/core/error.h"
 #include "malus/optics/wavelengths.h"
@@ -37,51 +35,33 @@ const std::array<Quantity, 15> kQuantities{{
     {"StdErr_AoLP", [](const PixelStokes& p) { return to_degrees(stderr_aolp(p)); }},
 }};
 
-// All quantities at all wavelengths: pixels in blocks that stay in the cache, shared by threads.
-void fill_quantities(Image& image, const Film& film, DolpEstimator estimator) {
-    struct Channel {
-        float* first;
-        double (*of)(const PixelStokes&);
+// of(pixel index) for each pixel.
+template <class Of>
+void add(Image& image, const std::string& name, Of of) {
+    image.computed[name] = [of](std::size_t from, std::size_t to, float* numbers) {
+        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(of(i));
     };
-    std::vector<Channel> channels;  // [wavelength][quantity]
-    for (double nm : film.wavelengths_nm)
-        for (const Quantity& quantity : kQuantities) {
-            const bool debiased =
-                estimator == DolpEstimator::kDebiased && quantity.name == std::string_view("DoLP");
-            channels.push_back({image.channel(spectral_channel(quantity.name, nm)).data(),
-                                debiased ? &debiased_dolp : quantity.of});
-        }
-    constexpr std::size_t kBlock = 64;
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-        for (std::size_t from; (from = next.fetch_add(kBlock)) < film.pixel_count();) {
-            const std::size_t to = std::min(from + kBlock, film.pixel_count());
-            for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w)
-                for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-                    const Channel& channel = channels[w * kQuantities.size() + q];
-                    for (std::size_t i = from; i < to; ++i)
-                        channel.first[i] = static_cast<float>(channel.of(film.at(i, w)));
-                }
-        }
-    };
-    std::vector<std::jthread> helpers;
-    if (film.pixel_count() > 16 * kBlock)
-        for (unsigned t = 1; t < std::thread::hardware_concurrency(); ++t)
-            helpers.emplace_back(work);
-    work();
+}
+
+// All quantities of a wavelength.
+void add_quantities(Image& image, const Film& film, std::size_t w, DolpEstimator estimator) {
+    for (const Quantity& quantity : kQuantities) {
+        const bool debiased =
+            estimator == DolpEstimator::kDebiased && quantity.name == std::string_view("DoLP");
+        const auto value = debiased ? &debiased_dolp : quantity.of;
+        add(image, spectral_channel(quantity.name, film.wavelengths_nm[w]),
+            [&film, w, value](std::size_t i) { return value(film.at(i, w)); });
+    }
 }
 
 // Ids count from 1 in the header's list of names; 0 is the sky.
-void fill_ids(Image& image, const std::string& channel, const std::string& attribute,
-              const Film& film, const std::vector<int>& of_instance,
-              const std::vector<std::string>& names) {
-    std::vector<float>& ids = image.channel(channel);
-    for (std::size_t i = 0; i < ids.size(); ++i) {
+void add_ids(Image& image, const std::string& channel, const std::string& attribute,
+             const Film& film, const std::vector<int>& of_instance,
+             const std::vector<std::string>& names) {
+    add(image, channel, [&film, &of_instance](std::size_t i) {
         const std::int32_t instance = film.instance[i];
-        ids[i] = instance < 0
-                     ? 0.0f
-                     : static_cast<float>(of_instance[static_cast<std::size_t>(instance)] + 1);
-    }
+        return instance < 0 ? 0 : of_instance[static_cast<std::size_t>(instance)] + 1;
+    });
     std::vector<std::string> listed{"(sky)"};
     listed.insert(listed.end(), names.begin(), names.end());
     image.attributes[attribute] = listed;
@@ -155,27 +135,33 @@ void declare_stokes(Image& image, const std::string& frame) {
     image.attributes["stokesReferenceFrame"] = frame;
 }
 
-Image to_image(const Film& film, const Labels& labels, DolpEstimator estimator) {
+Image described(const Film& film, const Labels& labels, DolpEstimator estimator) {
     Image image;
     image.width = film.width;
     image.height = film.height;
     declare_stokes(image, "image");
     image.attributes["aolpUnits"] = "degrees";
     image.attributes["dolpEstimator"] = estimator == DolpEstimator::kRaw ? "raw" : "MAS";
-    fill_quantities(image, film, estimator);
-    image.channel("A") = film.coverage;
-    image.channel("Z") = film.distance;
-    std::copy(film.samples.begin(), film.samples.end(), image.channel("N.samples").begin());
-    std::vector<float>& replicates = image.channel("N.replicates");
-    for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i] = film.at(i, 0).replicates;
-    fill_ids(image, "material.id", "materialNames", film, labels.material_of_instance,
-             labels.materials);
-    fill_ids(image, "node.id", "nodeNames", film, labels.node_of_instance, labels.nodes);
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w)
+        add_quantities(image, film, w, estimator);
+    add(image, "A", [&film](std::size_t i) { return film.coverage[i]; });
+    add(image, "Z", [&film](std::size_t i) { return film.distance[i]; });
+    add(image, "N.samples", [&film](std::size_t i) { return film.samples[i]; });
+    add(image, "N.replicates", [&film](std::size_t i) { return film.at(i, 0).replicates; });
+    add_ids(image, "material.id", "materialNames", film, labels.material_of_instance,
+            labels.materials);
+    add_ids(image, "node.id", "nodeNames", film, labels.node_of_instance, labels.nodes);
     // For ordinary viewers: S0 of the middle wavelength as grey.
-    const double grey_nm = film.wavelengths_nm[film.wavelengths_nm.size() / 2];
+    const std::size_t grey = film.wavelengths_nm.size() / 2;
     for (const char* name : {"R", "G", "B"})
-        image.channel(name) = image.channels.at(spectral_channel("S0", grey_nm));
-    image.attributes["greyWavelength"] = static_cast<float>(grey_nm);
+        add(image, name, [&film, grey](std::size_t i) { return film.at(i, grey).mean.s0; });
+    image.attributes["greyWavelength"] = static_cast<float>(film.wavelengths_nm[grey]);
+    return image;
+}
+
+Image to_image(const Film& film, const Labels& labels, DolpEstimator estimator) {
+    Image image = described(film, labels, estimator);
+    image.compute_channels();
     return image;
 }
 

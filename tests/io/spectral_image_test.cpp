@@ -101,6 +101,36 @@ TEST_CASE("EXR: channels and attributes come back as they were written") {
     for (const auto& [name, value] : image.attributes) CHECK(back.attributes.at(name) == value);
 }
 
+TEST_CASE("EXR: channels computed while written hold their pixels' numbers in each strip of rows") {
+    const TempFolder folder;
+    Image image;
+    // More rows than any number of threads up to 64 takes at once, and a last strip that is short.
+    image.width = 5, image.height = 16 * 64 + 7;
+    image.channel("stored").assign(image.pixel_count(), 3);
+    image.computed["place"] = [](std::size_t from, std::size_t to, float* numbers) {
+        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(i);
+    };
+    image.computed["half"] = [](std::size_t from, std::size_t to, float* numbers) {
+        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(i) / 2;
+    };
+    for (Compression as : {Compression::kZip, Compression::kNone}) {
+        write_exr(folder / "image.exr", image, as);
+        const Image back = read_exr(folder / "image.exr");
+        REQUIRE(back.channels.size() == 3);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < back.pixel_count(); ++i)
+            wrong += back.channels.at("place")[i] == static_cast<float>(i) &&
+                             back.channels.at("half")[i] == static_cast<float>(i) / 2 &&
+                             back.channels.at("stored")[i] == 3
+                         ? 0
+                         : 1;
+        CHECK(wrong == 0);
+    }
+    image.compute_channels();
+    CHECK(image.computed.empty());
+    CHECK(image.channels == read_exr(folder / "image.exr").channels);
+}
+
 TEST_CASE("Files: they appear whole or not at all, and what stood there stays") {
     const TempFolder folder;
     write_text(folder / "kept.txt", "old");

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <variant>
@@ -14,17 +15,15 @@ namespace malus {
 
 using Attribute = std::variant<std::string, float, int, std::vector<std::string>>;
 
-/// A channel that stands elsewhere in memory, `stride` floats from pixel to pixel.
-struct BorrowedChannel {
-    const float* first;
-    std::size_t stride;
-};
+/// A channel that is computed as it is written: the numbers of pixels [from, to), rows from the top.
+/// Called by several threads at once.
+using ComputedChannel = std::function<void(std::size_t from, std::size_t to, float* numbers)>;
 
 /// Channels of one size, rows from the top, and what the header says of them.
 struct Image {
     int width = 0, height = 0;
     std::map<std::string, std::vector<float>> channels;
-    std::map<std::string, BorrowedChannel> borrowed;  ///< written like the others; none when read
+    std::map<std::string, ComputedChannel> computed;  ///< written like the others; none when read
     std::map<std::string, Attribute> attributes;
 
     std::size_t pixel_count() const {
@@ -32,6 +31,8 @@ struct Image {
     }
     /// The channel, made of zeros if it does not exist yet.
     std::vector<float>& channel(const std::string& name);
+    /// Makes channels of the computed ones.
+    void compute_channels();
     const std::string* text(const std::string& attribute) const;  ///< nullptr if absent
     const float* number(const std::string& attribute) const;      ///< nullptr if absent
 };

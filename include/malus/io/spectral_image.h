@@ -54,7 +54,11 @@ struct Labels {
 /// What stands in the DoLP channels: P/S0, or debiased_dolp() (film.h).
 enum class DolpEstimator { kRaw, kDebiased };
 
-/// The header's dolpEstimator says "raw" or "MAS".
+/// A film as an image, for writing: all channels are computed from film and labels, which must outlive
+/// it. The header's dolpEstimator says "raw" or "MAS".
+Image described(const Film& film, const Labels& labels,
+                DolpEstimator estimator = DolpEstimator::kRaw);
+/// The same with channels in memory, for reading.
 Image to_image(const Film& film, const Labels& labels,
                DolpEstimator estimator = DolpEstimator::kRaw);
 
