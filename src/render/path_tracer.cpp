@@ -58,7 +58,8 @@ struct PathTracer::Meeting {
     Hits hit;
     Vec3s wo;
     BeamFrames toward;
-    // Drawn by the sky's brightness, to the sun, and by the surfaces' lobes; densities of the latter.
+    std::array<Reals, kLobe + 1> u;  // numbers of the directions drawn
+    // By the sky's brightness, to the sun, and by the surfaces' lobes; densities of the latter.
     SkySamples sky;
     Vec3s sun, onward;
     Reals sky_by_surface, sun_by_surface, onward_by_surface;
@@ -184,19 +185,26 @@ PathTracer::Meeting PathTracer::meet(int depth, std::size_t first, Paths& paths)
 // Directions of light, each with its density by the surfaces' lobes.
 void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
     const auto block = static_cast<std::uint32_t>(depth - 1);
-    const auto u = points<0, kLobe + 1>(paths.places(at.path, block));
-    const BasisOf<Reals> basis(at.hit.n, at.wo);
-    at.sky = sample_sky(scene_.sky, u[kSky1], u[kSky2]);
+    at.u = points<0, kLobe + 1>(paths.places(at.path, block));
+    at.sky = sample_sky(scene_.sky, at.u[kSky1], at.u[kSky2]);
     at.sun = at.hit.n;
     if (scene_.sun.present()) {
         const auto v = points<kOther1, 2>(paths.places(at.path, block + 1));
         at.sun = scene_.sun.sample(v[0], v[1]);
     }
+    at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = Reals(0.0);
+    at.onward_drawn = 0;
+    draw_by_surface(at, kAllLanes);
+}
+
+// What the numbers u draw by the surfaces' lobes in some lanes, and the densities of all directions by
+// them.
+void PathTracer::draw_by_surface(Meeting& at, unsigned wanted) const {
+    const BasisOf<Reals> basis(at.hit.n, at.wo);
     const Vec3s wo = basis.to_local(at.wo);
     const Vec3s sky = basis.to_local(at.sky.w), sun = basis.to_local(at.sun);
     Vec3s onward(Vec3{0, 0, 1});
     const Reals zero(0.0);
-    at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = zero;
     for_each_value(at.surface, [&](int surface, unsigned lanes) {
         const DirectionSampler& directions =
             scene_.surfaces[static_cast<std::size_t>(surface)].directions();
@@ -204,9 +212,10 @@ void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
             at.live &= ~lanes;
             return;
         }
-        const Mask here = mask_of(lanes);
+        if (!(lanes & wanted)) return;
+        const Mask here = mask_of(lanes & wanted);
         const DirectionSampler::View<Reals> lobes(directions, wo);
-        const Vec3s local = lobes.sample(u[kLobe], u[kSurface1], u[kSurface2]);
+        const Vec3s local = lobes.sample(at.u[kLobe], at.u[kSurface1], at.u[kSurface2]);
         onward = select(here, local, onward);
         at.sky_by_surface = select(here, lobes.pdf(sky), at.sky_by_surface);
         at.onward_by_surface = select(here, lobes.pdf(local), at.onward_by_surface);
@@ -214,8 +223,12 @@ void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
             at.sun_by_surface = select(here, lobes.pdf(sun), at.sun_by_surface);
     });
     // Facets that point it underground reflect none.
-    at.onward_drawn = at.live & bits((onward.z > zero) && (at.onward_by_surface > zero));
-    at.onward = select(mask_of(at.onward_drawn), basis.to_world(onward), at.hit.n);
+    const unsigned drawn =
+        at.live & wanted & bits((onward.z > zero) && (at.onward_by_surface > zero));
+    at.onward_drawn = (at.onward_drawn & ~wanted) | drawn;
+    at.onward = select(mask_of(wanted), select(mask_of(drawn), basis.to_world(onward), at.hit.n),
+                       at.onward);
+    at.onward_lights = locate(scene_.sky, at.onward, at.onward_drawn);
 }
 
 // The lanes in `wanted` that light from w reaches.
@@ -265,7 +278,6 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     const unsigned hit = last || !free ? 0 : scene_.accel.intersect(rays, free, met);
     at.onward_seen = free & ~hit & ~blocked;
 
-    at.onward_lights = locate(scene_.sky, wi, at.onward_drawn);
     vertices.onward_light = at.onward_lights.at;
     for (std::size_t i = 0; i < kSide; ++i)
         if (!(at.onward_seen >> i & 1)) vertices.onward_light[i] = {};
@@ -289,10 +301,14 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
 }
 
-// What nodes near the first vertices would reflect of the same directions, were nothing in the way.
+// What nodes near the first vertices would reflect of the same directions, or of those that the same
+// numbers draw there, were nothing in the way.
 OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel_x,
                              int pixel_y) const {
     constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
+    // RMS slope of the lobes that turn with their node. Over what wider ones turn by, the sky's light
+    // differs by more than f does; they keep the directions themselves.
+    constexpr double kSharp = 0.25;
     OpenSky open;
     open.surface = at.surface;
     open.sky_sample_seen = at.sky_seen;
@@ -300,7 +316,7 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
     const auto n = stored(at.hit.n), wo = stored(at.wo);
     std::array<SkyNode, kSide> nodes;
     std::array<double, kSide> scale;
-    unsigned found = 0;
+    unsigned found = 0, sharp = 0;
     for (std::size_t i = 0; i < kSide; ++i) {
         open.node[i] = -1;
         scale[i] = 1;
@@ -315,6 +331,8 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
         scale[i] = ratio;
         nodes[i] = node;
         found |= 1u << i;
+        const Surface& surface = scene_.surfaces[static_cast<std::size_t>(at.surface[i])];
+        sharp |= (surface.sharpest_slope() < kSharp ? 1u : 0u) << i;
     }
     open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
     if (!found) return open;
@@ -326,6 +344,7 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
     node.toward = {node.wo, vectors([&](std::size_t i) {
                        return open.node[i] < 0 ? toward[i] : nodes[i].toward.x;
                    })};
+    if (sharp) draw_by_surface(node, sharp);
     reflect_open(node, open);
     return open;
 }
@@ -333,17 +352,18 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
 // No light from below a node's plane or the horizon.
 void PathTracer::reflect_open(const Meeting& at, OpenSky& open) const {
     const Reals zero(0.0);
-    const auto reflected = [&](const Vec3s& w, const Reals& pdf, unsigned drawn) {
-        const unsigned lit =
-            at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero) && (pdf > zero));
-        return directions(at, w, open.scale * inverse(pdf), lit).bounces;
+    const auto reflected = [&](const Vec3s& w, const SkyLights& lights, const Reals& by_surface,
+                               Lighting drawn_by, unsigned drawn) {
+        const unsigned lit = at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero));
+        const Reals weight = open.scale * light_weight(lights.pdf, by_surface, drawn_by);
+        return directions(at, w, weight, lit).bounces;
     };
     open.sky_sample_light = at.sky.lights.at;
-    open.sky_sample =
-        reflected(at.sky.w, at.sky.lights.pdf + at.sky_by_surface, bits(at.sky.lights.pdf > zero));
+    open.sky_sample = reflected(at.sky.w, at.sky.lights, at.sky_by_surface, Lighting::kLightSamples,
+                                bits(at.sky.lights.pdf > zero));
     open.onward_light = at.onward_lights.at;
-    open.onward =
-        reflected(at.onward, at.onward_lights.pdf + at.onward_by_surface, at.onward_drawn);
+    open.onward = reflected(at.onward, at.onward_lights, at.onward_by_surface,
+                            Lighting::kSurfaceSamples, at.onward_drawn);
 }
 
 void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& paths) const {
@@ -361,7 +381,6 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};
         draw(1, at, paths);
-        at.onward_lights = locate(scene_.sky, at.onward, at.onward_drawn);
         OpenSky& open = paths.open_.emplace_back();
         open.node.fill(0);
         open.surface = at.surface;

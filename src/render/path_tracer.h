@@ -177,6 +177,7 @@ class PathTracer {
     Meeting meet(int depth, std::size_t first, Paths& paths) const;
     unsigned attenuated(const std::array<int, kSide>& surface) const;
     void draw(int depth, Meeting& at, Paths& paths) const;
+    void draw_by_surface(Meeting& at, unsigned wanted) const;
     void sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const;
     void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;
     unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,

@@ -2,8 +2,11 @@
 //
 //   ⟨X⟩ = ⟨X + α g (T − C)⟩
 //   X   what a path brings
-//   C = Σ f(n',wo',wi) L(wi) cosθi' / pdf(wi): what its first vertex would reflect of the same
-//       directions, were nothing in the sky's way, and normal and view those of a node nearby
+//   C = Σ f(n',wo',wi) L(wi) cosθi' / pdf(wi): what its first vertex would reflect, were nothing in
+//       the sky's way, and normal and view those of a node nearby. Of the same directions where lobes
+//       are wide, which keeps L; where they are sharp, of those that the same random numbers draw at
+//       the node, which keeps f/pdf: the lobe's directions turn with it (reconnection and random
+//       replay; Hua et al. 2019, A Survey on Gradient-Domain Rendering)
 //   T = ∫ f(n',wo',wi) L(wi) cosθi' dωi: the mean of C, from many samples that trace no rays
 //   g = cosθo'/cosθo: what a facet's foreshortening differs by
 //   α   how much of C reaches the pixel, as the first samples of its other replicates found: 1 in

@@ -161,7 +161,7 @@ TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[ren
 }
 
 TEST_CASE(
-    "Sky table: a near view of open ground has a fifth of the error, a corner no more than "
+    "Sky table: a near view of open ground has a ninth of the error, a corner no more than "
     "without",
     "[render]") {
     for (const Material* paint : {&green_paint(), &black_paint()}) {
@@ -175,7 +175,9 @@ TEST_CASE(
             settings.sky_table = false;
             const double without = median_error(render(scene, camera, settings).film);
             CAPTURE(paint->name, open, with, without);
-            CHECK(with < (open ? 0.2 : 1.0) * without);
+            // Either kind of C for both paints: 0.12 for green's sharp lobes, or 0.11 for black's.
+            const double most = !open ? 1.0 : paint == &green_paint() ? 0.11 : 0.08;
+            CHECK(with < most * without);
         }
     }
 }
