@@ -30,7 +30,7 @@ using namespace malus;
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120, kRounds = 3, kErrorSide = 512;
-constexpr std::uint32_t kSpp = 64, kReferenceSpp = 1024;
+constexpr std::uint32_t kSpp = 64, kReferenceSpp = 4096;
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
