@@ -98,6 +98,18 @@ BenchmarkScene relief_scene(const std::vector<Material>& materials) {
     return to;
 }
 
+BenchmarkScene plain_scene(const std::vector<Material>& materials) {
+    BenchmarkScene to = named("plain with a box", materials);
+    to.scene.meshes.push_back(sheet(1, 1, [](double u, double v) {
+        return Vec3{40 * (u - 0.5), 0, 40 * (v - 0.5)};
+    }));
+    to.scene.meshes.push_back(box({1.2, 0.6, 0.7}));
+    place(to, "ground", 0, {0, 0, 0}, 1);
+    place(to, "target", 1, {0, 0, 0}, 0);
+    to.scene.cameras = {camera_from({4, 7, 11}, {0, 0.3, 0}, 30)};
+    return to;
+}
+
 BenchmarkScene canyon_scene(const std::vector<Material>& materials) {
     BenchmarkScene to = named("canyon, most sky hidden", materials);
     constexpr int kTowers = 24;

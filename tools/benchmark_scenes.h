@@ -1,5 +1,6 @@
 // benchmark_scenes.h — what tools/benchmark renders, made on the spot.
 //
+// plain    a box on level ground, most of which meets no occluder but that box
 // relief   a box on rolling ground of a million triangles
 // canyon   streets between 24 × 24 towers, seen from below their roofs: most sky is hidden
 // bumps    a bumpy sphere of 100 000 triangles on a plane, no sky in view, lit by an even unpolarized
@@ -25,6 +26,7 @@ struct BenchmarkScene {
 };
 
 /// Paints are the first two of `materials`; cameras are the scenes' first.
+BenchmarkScene plain_scene(const std::vector<Material>& materials);
 BenchmarkScene relief_scene(const std::vector<Material>& materials);
 BenchmarkScene canyon_scene(const std::vector<Material>& materials);
 BenchmarkScene bumps_scene();

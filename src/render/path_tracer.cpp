@@ -59,6 +59,7 @@ struct PathTracer::Meeting {
     Vec3s wo;
     BeamFrames toward;
     std::array<Reals, kLobe + 1> u;  // numbers of the directions drawn
+    const SkyDensity* by_light;      // draws those to the sky that the lobes do not
     // By the sky's brightness, to the sun, and by the surfaces' lobes; densities of the latter.
     SkySamples sky;
     Vec3s sun, onward;
@@ -91,7 +92,7 @@ std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
 }
 
 void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count,
-                       Paths& paths, const SkyTable* table) const {
+                       Paths& paths, const SkyTable* table, const SkyDensity* toward) const {
     paths.start(first, count, static_cast<std::size_t>(settings_.max_depth));
     look_through(pixel_x, pixel_y, paths);
     for (int depth = 1; depth <= settings_.max_depth; ++depth) {
@@ -100,7 +101,7 @@ void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint3
             Meeting at = meet(depth, i, paths);
             Vertices& vertices = level.vertices.emplace_back();
             vertices.surface = at.surface;
-            draw(depth, at, paths);
+            draw(depth, at, paths, depth == 1 && toward ? *toward : scene_.sky.density());
             sample_lights(at, paths, vertices);
             go_on(depth, at, paths, vertices);
             if (depth == 1 && table) paths.open_.push_back(open_sky(at, *table, pixel_x, pixel_y));
@@ -183,10 +184,11 @@ PathTracer::Meeting PathTracer::meet(int depth, std::size_t first, Paths& paths)
 }
 
 // Directions of light, each with its density by the surfaces' lobes.
-void PathTracer::draw(int depth, Meeting& at, Paths& paths) const {
+void PathTracer::draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light) const {
     const auto block = static_cast<std::uint32_t>(depth - 1);
     at.u = points<0, kLobe + 1>(paths.places(at.path, block));
-    at.sky = sample_sky(scene_.sky, at.u[kSky1], at.u[kSky2]);
+    at.by_light = &by_light;
+    at.sky = sample_sky(scene_.sky, by_light, at.u[kSky1], at.u[kSky2]);
     at.sun = at.hit.n;
     if (scene_.sun.present()) {
         const auto v = points<kOther1, 2>(paths.places(at.path, block + 1));
@@ -228,7 +230,7 @@ void PathTracer::draw_by_surface(Meeting& at, unsigned wanted) const {
     at.onward_drawn = (at.onward_drawn & ~wanted) | drawn;
     at.onward = select(mask_of(wanted), select(mask_of(drawn), basis.to_world(onward), at.hit.n),
                        at.onward);
-    at.onward_lights = locate(scene_.sky, at.onward, at.onward_drawn);
+    at.onward_lights = locate(scene_.sky, *at.by_light, at.onward, at.onward_drawn);
 }
 
 // The lanes in `wanted` that light from w reaches.
@@ -306,9 +308,6 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
 OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel_x,
                              int pixel_y) const {
     constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
-    // RMS slope of the lobes that turn with their node. Over what wider ones turn by, the sky's light
-    // differs by more than f does; they keep the directions themselves.
-    constexpr double kSharp = 0.25;
     OpenSky open;
     open.surface = at.surface;
     open.sky_sample_seen = at.sky_seen;
@@ -331,8 +330,9 @@ OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel
         scale[i] = ratio;
         nodes[i] = node;
         found |= 1u << i;
-        const Surface& surface = scene_.surfaces[static_cast<std::size_t>(at.surface[i])];
-        sharp |= (surface.sharpest_slope() < kSharp ? 1u : 0u) << i;
+        // Sharp lobes turn with their node. Over what wider ones turn by, the sky's light differs by
+        // more than f does; they keep the directions themselves.
+        sharp |= (scene_.surface_of(at.instance[i]).sharp() ? 1u : 0u) << i;
     }
     open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
     if (!found) return open;
@@ -380,7 +380,7 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.hit.n = at.hit.ng = Vec3s(node.n);
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};
-        draw(1, at, paths);
+        draw(1, at, paths, scene_.sky.density());
         OpenSky& open = paths.open_.emplace_back();
         open.node.fill(0);
         open.surface = at.surface;

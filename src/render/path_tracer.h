@@ -159,9 +159,9 @@ class PathTracer {
 
     /// Samples [first, first + count) of each replicate through the box of pixel (pixel_x, pixel_y):
     /// path (sample − first) · replicates + replicate. With a table, what the open sky would bring,
-    /// too.
+    /// too; then `toward` may draw the first vertices' light in place of the sky's brightness.
     void trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count, Paths& paths,
-               const SkyTable* table = nullptr) const;
+               const SkyTable* table = nullptr, const SkyDensity* toward = nullptr) const;
     /// The light of traced paths.
     void shade(Paths& paths) const;
 
@@ -176,7 +176,7 @@ class PathTracer {
     void look_through(int pixel_x, int pixel_y, Paths& paths) const;
     Meeting meet(int depth, std::size_t first, Paths& paths) const;
     unsigned attenuated(const std::array<int, kSide>& surface) const;
-    void draw(int depth, Meeting& at, Paths& paths) const;
+    void draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light) const;
     void draw_by_surface(Meeting& at, unsigned wanted) const;
     void sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const;
     void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;

@@ -23,6 +23,8 @@ class Surface {
     const DirectionSampler& directions() const { return directions_; }
     /// Least RMS slope of the wavelengths that reflect by facets; infinity where none does.
     double sharpest_slope() const { return sharpest_slope_; }
+    /// Is its sharpest lobe narrower than what the sky's light differs over?
+    bool sharp() const { return sharpest_slope_ < 0.25; }
     /// Parameters at wavelengths 2 pair and 2 pair + 1.
     const PriestGermer<Lanes>& lanes(std::size_t pair) const { return rows_[pair]; }
 

@@ -17,6 +17,7 @@
 
 #include "malus/core/error.h"
 #include "malus/optics/wavelengths.h"
+#include "render/occluders.h"
 #include "render/path_tracer.h"
 #include "render/sampling_plan.h"
 
@@ -68,8 +69,10 @@ class Job {
           plan_(settings, result.exposure),
           workers_([this] { return Worker(result_.exposure); }),
           complete_(result.complete()) {
-        if (settings.sky_table && settings.lighting == Lighting::kBoth)
+        if (settings.sky_table && settings.lighting == Lighting::kBoth) {
             table_.emplace(scene.impl(), camera, settings);
+            occluders_.emplace(scene.impl(), settings.width, settings.height);
+        }
     }
 
     void run() {
@@ -110,16 +113,31 @@ class Job {
         });
     }
 
-    // Which geometries the picture shows.
+    // Which geometries the picture shows, and what hides the sky from them.
     void look_around() {
-        std::vector<std::optional<Hit>> line(static_cast<std::size_t>(settings_.width));
-        for (int y = 0; y < settings_.height; ++y) {
-            tbb::parallel_for(0, settings_.width, [&](int x) {
-                line[static_cast<std::size_t>(x)] = tracer_.look(x, y);
+        constexpr int kSquare = Occluders::kSquare;
+        constexpr std::size_t kPixels = kSquare * kSquare;
+        const int squares = (settings_.width + kSquare - 1) / kSquare;
+        std::vector<std::array<std::optional<Hit>, kPixels>> seen(
+            static_cast<std::size_t>(squares));
+        const auto hit = [&](int x, int y) -> std::optional<Hit>& {
+            return seen[static_cast<std::size_t>(x / kSquare)]
+                       [static_cast<std::size_t>(y % kSquare * kSquare + x % kSquare)];
+        };
+        for (int top = 0; top < settings_.height; top += kSquare) {
+            const int bottom = std::min(top + kSquare, settings_.height);
+            tbb::parallel_for(0, squares, [&](int square) {
+                const int left = square * kSquare,
+                          right = std::min(left + kSquare, settings_.width);
+                seen[static_cast<std::size_t>(square)].fill(std::nullopt);
+                for (int y = top; y < bottom; ++y)
+                    for (int x = left; x < right; ++x) hit(x, y) = tracer_.look(x, y);
+                look_rays_ +=
+                    occluders_->look(square, top / kSquare, seen[static_cast<std::size_t>(square)]);
             });
-            for (int x = 0; x < settings_.width; ++x)
-                if (const auto& hit = line[static_cast<std::size_t>(x)])
-                    table_->look(x, y, hit->instance, hit->n);
+            for (int y = top; y < bottom; ++y)
+                for (int x = 0; x < settings_.width; ++x)
+                    if (const auto& met = hit(x, y)) table_->look(x, y, met->instance, met->n);
         }
         table_->settle();
     }
@@ -170,7 +188,7 @@ class Job {
         while (pixel.taken() < wanted) {
             const std::uint32_t count = samples_together(pixel.taken(), wanted);
             trace(x, y, count, worker);
-            if (pixel.taken() < kDeciding) find_open(worker);
+            if (pixel.taken() < kDeciding) find_open(worker, toward_occluders(x, y) != nullptr);
             for (std::uint32_t s = 0; s < count; ++s) {
                 add(x, y, s, worker);
                 pixel.end_sample();
@@ -201,14 +219,22 @@ class Job {
     void trace(int x, int y, std::uint32_t count, Worker& worker) {
         const std::uint32_t first = worker.pixel.taken();
         const bool open = table_ && (first < kDeciding || worker.pixel.is_open());
-        tracer_.trace(x, y, first, count, worker.paths, open ? &*table_ : nullptr);
+        tracer_.trace(x, y, first, count, worker.paths, open ? &*table_ : nullptr,
+                      open ? toward_occluders(x, y) : nullptr);
         tracer_.shade(worker.paths);
         worker.samples += worker.paths.size();
     }
 
+    // What draws directions toward what hides the sky, where light of the open sky is known; or null.
+    const SkyDensity* toward_occluders(int x, int y) const {
+        return table_ && table_->knows(x, y) ? occluders_->find(x, y) : nullptr;
+    }
+
     // How much of the open sky's light reaches the pixel, for each replicate by the others' first
     // samples; none where these met too little of that light to tell, until the second ones are asked.
-    void find_open(Worker& worker) {
+    // Where directions lead to what hides the sky, all of a C that reaches it to half: X and C then
+    // differ by what is hidden, and C alone varies more.
+    void find_open(Worker& worker, bool hidden_known) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         struct Light {
             double whole, seen;
@@ -235,7 +261,7 @@ class Job {
                 }
                 const bool known = whole > kLeastEvidence * expected && expected > 0;
                 const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
-                worker.pixel.set_open(r, w, share < kLeastOpen ? 0 : share);
+                worker.pixel.set_open(r, w, share < kLeastOpen ? 0 : hidden_known ? 1 : share);
             }
     }
 
@@ -340,6 +366,7 @@ class Job {
 
     void end(StoppedBy why) {
         result_.stopped_by = why;
+        result_.rays += look_rays_;
         for (const Worker& worker : workers_) {
             result_.paths += worker.samples;
             result_.rays += worker.paths.rays;
@@ -364,6 +391,8 @@ class Job {
     RenderResult& result_;
     SamplingPlan plan_;
     std::optional<SkyTable> table_;
+    std::optional<Occluders> occluders_;  // with the table
+    std::atomic<std::uint64_t> look_rays_ = 0;
     tbb::enumerable_thread_specific<Worker> workers_;
     const Clock clock_;
     bool complete_;       // each pixel has samples

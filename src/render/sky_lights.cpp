@@ -17,7 +17,8 @@ void look_up(const EqualAreaSky& grid, const DomePointOf<Reals>& p, unsigned wan
 
 }  // namespace
 
-SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted) {
+SkyLights locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w,
+                 unsigned wanted) {
     const auto above = w.y >= Reals(0.0);
     wanted &= bits(above);
     const Vec3s up = select(above, w, Vec3s(Vec3{0, 1, 0}));
@@ -32,15 +33,16 @@ SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted) {
     }
     const auto t = stored(p.t), azimuth = stored(p.azimuth);
     lights.pdf = lanewise<Reals>([&](std::size_t i) {
-        return wanted >> i & 1 ? sky.density().pdf({t[i], azimuth[i]}) : 0;
+        return wanted >> i & 1 ? by_light.pdf({t[i], azimuth[i]}) : 0;
     });
     return lights;
 }
 
-SkySamples sample_sky(const SkyEmitter& sky, const Reals& u1, const Reals& u2) {
+SkySamples sample_sky(const SkyEmitter& sky, const SkyDensity& by_light, const Reals& u1,
+                      const Reals& u2) {
     SkySamples samples;
-    if (sky.density().dark()) return {Vec3s(Vec3{0, 1, 0}), {{}, Reals(0.0)}};
-    const auto draws = sky.density().draws(stored(u1), stored(u2));
+    if (by_light.dark()) return {Vec3s(Vec3{0, 1, 0}), {{}, Reals(0.0)}};
+    const auto draws = by_light.draws(stored(u1), stored(u2));
     const DomePointOf<Reals> p{
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.t; }),
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.azimuth; })};

@@ -13,14 +13,17 @@ struct SkyLights {
     Reals pdf;  ///< density of sample_sky() there, sr⁻¹
 };
 
-/// Of the lanes in `wanted`; others are black. Directions below the horizon are, too.
-SkyLights locate(const SkyEmitter& sky, const Vec3s& w, unsigned wanted);
+/// Of the lanes in `wanted`; others are black. Directions below the horizon are, too. `by_light`: what
+/// draws directions, the sky's own density or another, whose azimuths begin where the sky's do.
+SkyLights locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w,
+                 unsigned wanted);
 
 struct SkySamples {
     Vec3s w;  ///< upward, whatever the sky
     SkyLights lights;
 };
-/// Directions drawn from the sky, from two numbers in (0,1). pdf = 0 where it is all black.
-SkySamples sample_sky(const SkyEmitter& sky, const Reals& u1, const Reals& u2);
+/// Directions drawn from two numbers in (0,1). pdf = 0 where all is black.
+SkySamples sample_sky(const SkyEmitter& sky, const SkyDensity& by_light, const Reals& u1,
+                      const Reals& u2);
 
 }  // namespace malus

@@ -8,11 +8,14 @@
 namespace malus {
 namespace {
 
-constexpr double kWidth = 0.1;         // of a cell of normals, in the paint's least RMS slope
-constexpr double kNarrow = 4;          // nor less than that many pixels' angles: T is shared
-constexpr double kNarrowest = 0.003;   // rad; sharper paints have no nodes
-constexpr double kWidest = 0.15;       // rad
-constexpr std::uint32_t kFewest = 32;  // pixels of a node
+constexpr double kWidth = 0.07;       // of a cell of normals, in the paint's least RMS slope
+constexpr double kNarrow = 4;         // nor less than that many pixels' angles: T is shared
+constexpr double kNarrowest = 0.003;  // rad; sharper paints have no nodes
+constexpr double kWidest = 0.15;      // rad
+// Of a cell in the picture, in that width. A turn of the view moves the mirror direction as half that
+// turn of the normal does; wide lobes keep their directions (path_tracer.cpp) and want nearer nodes.
+constexpr double kSharpAcross = 2, kWideAcross = 1.4;
+constexpr std::uint32_t kFewest = 16;  // pixels of a node
 constexpr double kSamples = 0.5;       // of T, for each sample of a node's pixels
 constexpr double kLeast = 4;           // of T, for each sample of the pixel that wants most
 constexpr double kGrazing = 0.02;      // cosθo: nodes seen flatter than that say little of others
@@ -54,8 +57,8 @@ SkyTable::SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
         Cells cells;
         if (width >= kNarrowest && width < slope && !surface.directions().black()) {
             cells.normals = std::sqrt(4 * kPi) / width;
-            // A turn of the view moves the mirror direction as half that turn of the normal does.
-            cells.pixels = angle > 0 ? std::max(1.0, 2 * width / angle) : HUGE_VAL;
+            const double across = (surface.sharp() ? kSharpAcross : kWideAcross) * width;
+            cells.pixels = angle > 0 ? std::max(1.0, across / angle) : HUGE_VAL;
         }
         cells_.push_back(cells);
     }
@@ -101,8 +104,7 @@ void SkyTable::look(int pixel_x, int pixel_y, int instance, const Vec3& n) {
         nodes_.push_back(*node);
         keys_.push_back(k);
     }
-    seen_[static_cast<std::size_t>(pixel_y) * static_cast<std::size_t>(width_) +
-          static_cast<std::size_t>(pixel_x)] = found->second;
+    seen_[pixel(pixel_x, pixel_y)] = found->second;
 }
 
 void SkyTable::settle() {
@@ -131,8 +133,7 @@ void SkyTable::settle() {
 int SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n) const {
     const Key k = key(pixel_x, pixel_y, instance, n);
     if (k == kNone) return -1;
-    const int usual = seen_[static_cast<std::size_t>(pixel_y) * static_cast<std::size_t>(width_) +
-                            static_cast<std::size_t>(pixel_x)];
+    const int usual = seen_[pixel(pixel_x, pixel_y)];
     if (usual >= 0 && keys_[static_cast<std::size_t>(usual)] == k) return usual;
     const auto found = index_.find(k);
     return found == index_.end() ? -1 : found->second;

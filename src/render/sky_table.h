@@ -46,6 +46,8 @@ class SkyTable {
     /// After all have been looked at: keeps the nodes of enough pixels.
     void settle();
 
+    /// Has the middle of a pixel a node?
+    bool knows(int pixel_x, int pixel_y) const { return seen_[pixel(pixel_x, pixel_y)] >= 0; }
     /// −1 where there is none.
     int find(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
     const SkyNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
@@ -72,6 +74,10 @@ class SkyTable {
     using Key = std::uint64_t;
     static constexpr Key kNone = ~Key{0};
 
+    std::size_t pixel(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+               static_cast<std::size_t>(x);
+    }
     bool needs(const Exposure& exposure, std::size_t pixel) const;
     Key key(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
     std::optional<SkyNode> node_of(int pixel_x, int pixel_y, int instance, const Vec3& n) const;

@@ -118,12 +118,12 @@ TEST_CASE("Registers: the sky is drawn and located as one direction by itself is
         for (int n = 0; n < 500; ++n) {
             const Reals a = lanewise<Reals>([&](std::size_t) { return u(); });
             const Reals b = lanewise<Reals>([&](std::size_t) { return u(); });
-            const SkySamples drawn = sample_sky(sky, a, b);
+            const SkySamples drawn = sample_sky(sky, sky.density(), a, b);
             const Vec3s w = vectors([&](std::size_t i) {
                 const double y = 1 - 4.0 / 3 * lane(a, i), r = std::sqrt(1 - y * y);
                 return Vec3{r * std::cos(7 * lane(b, i)), y, r * std::sin(7 * lane(b, i))};
             });
-            const SkyLights found = locate(sky, w, kAllLanes);
+            const SkyLights found = locate(sky, sky.density(), w, kAllLanes);
             for (std::size_t i = 0; i < kSide; ++i) {
                 const LightSample one = sky.sample(lane(a, i), lane(b, i));
                 CHECK(length(stored(drawn.w)[i] - one.w) < 1e-12);
