@@ -3,8 +3,8 @@
 // Ratio   the rays of whole paths are kept (after one another, as the renderer traces them) and traced
 //         again by a loop that does nothing else, in one flat Embree scene. Both use the same threads.
 //         Times are the best of three rounds taken in turn, since machines are shared.
-// Error   of the scene that Mitsuba was timed with: against a reference of kReferenceSpp samples and
-//         another seed, over all pixels.
+// Error   of the scene that Mitsuba was timed with, and of open ground with a box: against a reference
+//         of kReferenceSpp samples, another seed and no sky table, over all pixels.
 // Prints Markdown tables. Usage: malus-benchmark SCENE MATERIALS [THREADS]
 // SPDX-License-Identifier: Apache-2.0
 #if __has_include(<embree4/rtcore.h>)
@@ -199,15 +199,48 @@ double median(std::vector<double>& x) {
     return x[x.size() / 2];
 }
 
-// Error against samples of one wavelength, as the peer's is known.
-void measure_errors(const BenchmarkScene& of, int threads) {
-    const std::vector<double> nm = spread(1);
+struct Errors {
+    double median, rms;
+};
+Errors summary(std::vector<double>& errors) {
+    double squares = 0;
+    for (double e : errors) squares += sqr(e);
+    return {median(errors), std::sqrt(squares / static_cast<double>(errors.size()))};
+}
+
+// A row a wavelength of what a film is off by.
+void tell_errors(const Film& film, const Film& reference, bool table, std::uint32_t spp,
+                 double seconds) {
+    for (std::size_t w = 0; w < film.wavelengths_nm.size(); ++w) {
+        std::vector<double> s0, p;
+        for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+            const Stokes<double>&S = film.at(i, w).mean, &R = reference.at(i, w).mean;
+            s0.push_back(std::abs(S.s0 / R.s0 - 1));
+            p.push_back(std::abs(dolp(S) - dolp(R)));
+        }
+        const Errors of_s0 = summary(s0), of_p = summary(p);
+        std::printf("| %s | %u | %.2f | %.0f | %.2f %% | %.2f %% | %.5f | %.4f |\n",
+                    table ? "with" : "without", spp, seconds, film.wavelengths_nm[w],
+                    100 * of_s0.median, 100 * of_s0.rms, of_p.median, of_p.rms);
+    }
+    std::fflush(stdout);
+}
+
+// Error against samples.
+void measure_errors(const BenchmarkScene& of, std::size_t wavelengths, int width, int height,
+                    int threads) {
+    const std::vector<double> nm = spread(wavelengths);
     const PreparedScene prepared(of.scene, of.paints, of.materials, sky_for(of, nm), nm);
     const Camera camera = of.scene.cameras.at(0);
     RenderSettings settings;
     settings.threads = threads, settings.max_depth = of.max_depth;
-    settings.width = settings.height = kErrorSide;
-    settings.spp = kReferenceSpp, settings.seed = 1;
+    settings.width = width, settings.height = height;
+    settings.spp = kReferenceSpp, settings.seed = 1, settings.sky_table = false;
+    std::printf(
+        "\n%s, depth %d; %d x %d pixels\n\n"
+        "| sky table | samples a pixel | time, s | wavelength, nm | S0, median | S0, rms | "
+        "DoLP, median | DoLP, rms |\n|---|---|---|---|---|---|---|---|\n",
+        of.name.c_str(), of.max_depth, width, height);
     const Film reference = render(prepared, camera, settings).film;
     settings.seed = 0;
     for (bool table : {false, true})
@@ -215,20 +248,7 @@ void measure_errors(const BenchmarkScene& of, int threads) {
             settings.spp = spp, settings.sky_table = table;
             const double begin = now();
             const Film film = render(prepared, camera, settings).film;
-            const double seconds = now() - begin;
-            std::vector<double> s0, p;
-            double s0_squares = 0, p_squares = 0;
-            for (std::size_t i = 0; i < film.pixel_count(); ++i) {
-                const Stokes<double>&S = film.at(i, 0).mean, &R = reference.at(i, 0).mean;
-                s0.push_back(std::abs(S.s0 / R.s0 - 1));
-                p.push_back(std::abs(dolp(S) - dolp(R)));
-                s0_squares += sqr(s0.back()), p_squares += sqr(p.back());
-            }
-            const double n = static_cast<double>(film.pixel_count());
-            std::printf("| %s | %u | %.2f | %.2f %% | %.2f %% | %.5f | %.4f |\n",
-                        table ? "with" : "without", spp, seconds, 100 * median(s0),
-                        100 * std::sqrt(s0_squares / n), median(p), std::sqrt(p_squares / n));
-            std::fflush(stdout);
+            tell_errors(film, reference, table, spp, now() - begin);
         }
 }
 
@@ -305,12 +325,8 @@ int main(int argc, char** argv) {
         for (const BenchmarkScene& scene :
              {relief_scene(materials), canyon_scene(materials), bumps})
             for (std::size_t wavelengths : {1u, 8u, 32u}) measure(scene, wavelengths, threads);
-        std::printf(
-            "\n%s, one wavelength, depth 3; %d x %d pixels\n\n"
-            "| sky table | samples a pixel | time, s | S0, median | S0, rms | DoLP, median | DoLP, "
-            "rms |\n|---|---|---|---|---|---|---|\n",
-            bumps.name.c_str(), kErrorSide, kErrorSide);
-        measure_errors(bumps, threads);
+        measure_errors(bumps, 1, kErrorSide, kErrorSide, threads);
+        measure_errors(plain_scene(materials), 2, kWidth, kHeight, threads);
         for (const Material& paint : materials) measure_reflection(paint);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "malus-benchmark: %s\n", error.what());

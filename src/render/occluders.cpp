@@ -22,7 +22,7 @@ constexpr double kMostHidden = 0.15;
 class HiddenSky {
   public:
     void add(const SquarePoint& p, double cos_theta, bool hidden) {
-        Cell& at = cells_[row(p.y) * kCells + row(p.x)];
+        Cell& at = cells_[cell(p.y) * kCells + cell(p.x)];
         at.rays += 1;
         whole_ += cos_theta;
         if (!hidden) return;
@@ -49,11 +49,11 @@ class HiddenSky {
         double sum = 0, rays = 0;
         double mean() const { return sum / std::max(rays, 1.0); }
     };
-    static std::size_t row(double x) {
+    static std::size_t cell(double x) {
         return static_cast<std::size_t>(std::clamp(x, 0.0, 1 - 1e-9) * kCells);
     }
     double mean(double i, double j) const {
-        return cells_[row((j + 0.5) / kCells) * kCells + row((i + 0.5) / kCells)].mean();
+        return cells_[cell((j + 0.5) / kCells) * kCells + cell((i + 0.5) / kCells)].mean();
     }
     std::array<Cell, kCells * kCells> cells_;
     double whole_ = 0, hidden_ = 0;
