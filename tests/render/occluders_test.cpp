@@ -66,6 +66,7 @@ TEST_CASE("Occluders: directions lead to a wall, three times as many as by chanc
         }
     CAPTURE(drawn, even);
     CHECK(drawn > 3 * even);
+    // Two thirds go by what was met hidden (kDefence), less what its cells reach beyond the edges.
     CHECK(drawn > 0.4);
     CHECK(back == Approx(1).epsilon(0.02));
 }
