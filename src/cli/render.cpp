@@ -169,7 +169,7 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     stats.sky = prepared.sky_resampling();
 
     last = Clock::now();
-    const RenderResult result =
+    RenderResult result =
         Run(options, in, prepared, header).go_on(std::move(exposure), settings, start);
     stats.render_s = seconds_since(last);
     if (!result.complete())
@@ -187,6 +187,8 @@ void render_to_file(RenderOptions& options, const std::string& command_line) {
     last = Clock::now();
     header.attributes["skyGridCells"] = static_cast<int>(stats.sky.cells);
     header.attributes["wallTime"] = static_cast<float>(seconds_since(start));
+    // Without the sums there is memory for the file, which the system need not find first.
+    if (options.final) result.exposure = Exposure(0, 0, {}, result.exposure.replicates);
     write_image(options.output, result, in.labels, options, header);
     stats.write_s = seconds_since(last);
     if (!options.stats.empty()) write_stats(options.stats, stats, result);

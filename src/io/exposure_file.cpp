@@ -147,10 +147,11 @@ void write_exposure(const std::filesystem::path& path, const Exposure& e) {
     // One of `stride` numbers a pixel, the first at `first`.
     const auto add_strided = [&](const std::string& name, const auto* first, std::size_t stride,
                                  float divisor) {
-        image.computed[name] = [=](std::size_t from, std::size_t to, float* numbers) {
+        const auto numbers_of = [=](std::size_t from, std::size_t to, float* const* numbers) {
             for (std::size_t i = from; i < to; ++i)
-                numbers[i - from] = static_cast<float>(first[i * stride]) / divisor;
+                numbers[0][i - from] = static_cast<float>(first[i * stride]) / divisor;
         };
+        image.computed.push_back({{name}, numbers_of});
     };
     for (std::size_t r = 0; r < e.replicates; ++r) {
         add_strided(kept_channel(r), e.kept.data() + r, e.replicates, 1);

@@ -16,7 +16,7 @@
 #include <ImfThreading.h>
 
 #include <algorithm>
-#include <atomic>
+#include <future>
 #include <thread>
 
 #include "malus/core/error.h"
@@ -65,8 +65,9 @@ void check_size(const Imath::Box2i& window) {
         throw Error("the picture is empty or has over 2³¹ pixels");
 }
 
-constexpr int kRows = 16;                            // that ZIP takes at once
-constexpr std::size_t kNumbersAtOnce = 32ull << 20;  // computed and kept until they are written
+constexpr int kRows = 16;                           // that ZIP takes at once
+constexpr std::size_t kNumbersAtOnce = 8ull << 20;  // computed and kept until ZIP has taken them
+constexpr std::size_t kNumbersCached = 1ull << 20;  // the same where nothing compresses them
 
 enum class Wanted { kAll, kHeader };
 
@@ -112,65 +113,89 @@ int thread_count() {
     return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-// Numbers of a computed channel: pixel `from` goes to first[0].
-struct Target {
-    const ComputedChannel* of;
-    float* first;
+// Computes pixels [from, to) of all channels, in blocks whose sources stay in the cache from channel
+// to channel. Number i of the n-th channel goes to first[n][i].
+void compute(const Image& image, std::size_t from, std::size_t to,
+             const std::vector<float*>& first) {
+    constexpr std::size_t kBlock = 64;
+    std::vector<float*> numbers = first;
+    for (std::size_t at = from; at < to; at += kBlock) {
+        float* const* next = numbers.data();
+        for (const ComputedChannels& channels : image.computed) {
+            channels.of(at, std::min(at + kBlock, to), next);
+            next += channels.names.size();
+        }
+        for (float*& number : numbers) number += kBlock;
+    }
+}
+
+std::size_t computed_count(const Image& image) {
+    std::size_t count = 0;
+    for (const ComputedChannels& channels : image.computed) count += channels.names.size();
+    return count;
+}
+
+// Computed channels for some rows at a time: of a large image they are more than all else that a
+// render needs, and fresh pages cost as much as their numbers.
+struct Strip {
+    int first = 0, end = 0;
+    std::vector<float> numbers;
+    std::vector<float*> channels;  ///< where each one's numbers start
+
+    Strip(std::size_t count, std::size_t pixels) {
+        // Not a power of two apart, or all would compete for the same few lines of the cache.
+        const std::size_t stride = (pixels + 15) / 16 * 16 + 16;
+        numbers.resize(count * stride);
+        for (std::size_t i = 0; i < count; ++i) channels.push_back(numbers.data() + i * stride);
+    }
 };
 
-// Pixels [from, to), in blocks whose sources stay in the cache from channel to channel, shared by threads.
-void compute(const std::vector<Target>& targets, std::size_t from, std::size_t to) {
-    constexpr std::size_t kBlock = 64;
-    std::atomic<std::size_t> next = from;
-    const auto work = [&] {
-        for (std::size_t at; (at = next.fetch_add(kBlock)) < to;)
-            for (const Target& target : targets)
-                (*target.of)(at, std::min(at + kBlock, to), target.first + (at - from));
+// Rows of a strip: what ZIP takes at once for each of OpenEXR's threads, fewer where they are large;
+// without ZIP as many as stay in the cache until they are written.
+int rows_at_once(std::size_t channels, int width, int threads, Compression compression) {
+    const std::size_t row = std::max<std::size_t>(1, channels * static_cast<std::size_t>(width));
+    const auto share = [&](std::size_t numbers, std::size_t most) {
+        return static_cast<int>(std::clamp<std::size_t>(numbers / row, 1, most));
     };
-    std::vector<std::jthread> helpers;
-    if (to - from > 16 * kBlock)
-        for (int t = 1; t < thread_count(); ++t) helpers.emplace_back(work);
-    work();
+    if (compression == Compression::kNone) return share(kNumbersCached, 256);
+    return kRows * share(kNumbersAtOnce / kRows, static_cast<std::size_t>(threads));
 }
 
-// A block of rows a thread, fewer where they are large.
-int rows_at_once(const Image& image, int threads) {
-    const std::size_t block = image.computed.size() * kRows * static_cast<std::size_t>(image.width);
-    const std::size_t blocks = kNumbersAtOnce / std::max<std::size_t>(1, block);
-    return kRows *
-           static_cast<int>(std::clamp<std::size_t>(blocks, 1, static_cast<std::size_t>(threads)));
-}
-
-// Computed channels stand in memory for some rows at a time: of a large image they are more than all
-// else that a render needs, and fresh pages cost as much as their numbers.
+// Each strip is computed while the one before it is written, which takes longer.
 void write_rows(Imf::OutputFile& file, const Image& image, const Imf::FrameBuffer& whole,
                 int rows) {
     const auto width = static_cast<std::size_t>(image.width);
-    std::vector<float> numbers(image.computed.size() * width * static_cast<std::size_t>(rows));
-    std::vector<Target> targets;
-    for (const auto& [name, channel] : image.computed)
-        targets.push_back(
-            {&channel, numbers.data() + targets.size() * width * static_cast<std::size_t>(rows)});
-    for (int y = 0; y < image.height; y += rows) {
-        const int end = std::min(y + rows, image.height);
-        compute(targets, static_cast<std::size_t>(y) * width,
-                static_cast<std::size_t>(end) * width);
-        const Imath::Box2i window({0, y}, {image.width - 1, end - 1});
+    const std::size_t channels = computed_count(image),
+                      pixels = width * static_cast<std::size_t>(rows);
+    Strip written(channels, pixels), computed(channels, pixels);
+    const auto fill = [&](int first) {
+        computed.first = first, computed.end = std::min(first + rows, image.height);
+        compute(image, static_cast<std::size_t>(first) * width,
+                static_cast<std::size_t>(computed.end) * width, computed.channels);
+    };
+    fill(0);
+    while (computed.first < image.height) {
+        std::swap(written, computed);
+        auto next = std::async(std::launch::async, fill, written.end);
+        const Imath::Box2i window({0, written.first}, {image.width - 1, written.end - 1});
         Imf::FrameBuffer frame = whole;
-        std::size_t i = 0;
-        for (const auto& [name, channel] : image.computed)
-            frame.insert(name, slice(targets[i++].first, window));
+        auto numbers = written.channels.begin();
+        for (const ComputedChannels& group : image.computed)
+            for (const std::string& name : group.names)
+                frame.insert(name, slice(*numbers++, window));
         file.setFrameBuffer(frame);
-        file.writePixels(end - y);
+        file.writePixels(written.end - written.first);
+        next.get();
     }
 }
 
 }  // namespace
 
 void Image::compute_channels() {
-    std::vector<Target> targets;
-    for (const auto& [name, of] : computed) targets.push_back({&of, channel(name).data()});
-    compute(targets, 0, pixel_count());
+    std::vector<float*> first;
+    for (const ComputedChannels& group : computed)
+        for (const std::string& name : group.names) first.push_back(channel(name).data());
+    compute(*this, 0, pixel_count(), first);
     computed.clear();
 }
 
@@ -217,14 +242,16 @@ void write_exr(const fs::path& path, const Image& image, Compression compression
         header.channels().insert(name, Imf::Channel(Imf::FLOAT));
         frame.insert(name, slice(data.data(), window));
     }
-    for (const auto& [name, channel] : image.computed)
-        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    for (const ComputedChannels& channels : image.computed)
+        for (const std::string& name : channels.names)
+            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
     write_whole(path, [&](const fs::path& beside) {
         // Compression is most of the work; threads of OpenEXR's pool share it.
         const int threads = thread_count();
         if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
         Imf::OutputFile file(beside.c_str(), header, threads);
-        write_rows(file, image, frame, rows_at_once(image, threads));
+        const int rows = rows_at_once(computed_count(image), image.width, threads, compression);
+        write_rows(file, image, frame, rows);
     });
 }
 

@@ -13,45 +13,34 @@
 namespace malus {
 namespace {
 
-struct Quantity {
-    const char* name;
-    double (*of)(const PixelStokes&);
-};
-const std::array<Quantity, 15> kQuantities{{
-    {"S0", [](const PixelStokes& p) { return p.mean.s0; }},
-    {"S1", [](const PixelStokes& p) { return p.mean.s1; }},
-    {"S2", [](const PixelStokes& p) { return p.mean.s2; }},
-    {"S3", [](const PixelStokes& p) { return p.mean.s3; }},
-    {"DoLP", [](const PixelStokes& p) { return std::min(1.0, dolp(p.mean)); }},
-    {"AoLP", [](const PixelStokes& p) { return aolp_degrees(p.mean); }},
-    {"StdErr_S0", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[0]}); }},
-    {"StdErr_S1", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[3]}); }},
-    {"StdErr_S2", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[5]}); }},
-    {"StdErr_S3", [](const PixelStokes& p) { return std::sqrt(double{p.covariance[6]}); }},
-    {"Cov_S0S1", [](const PixelStokes& p) { return double{p.covariance[1]}; }},
-    {"Cov_S0S2", [](const PixelStokes& p) { return double{p.covariance[2]}; }},
-    {"Cov_S1S2", [](const PixelStokes& p) { return double{p.covariance[4]}; }},
-    {"StdErr_DoLP", [](const PixelStokes& p) { return stderr_dolp(p); }},
-    {"StdErr_AoLP", [](const PixelStokes& p) { return to_degrees(stderr_aolp(p)); }},
-}};
+// In the order of FilmQuantity.
+constexpr std::array<const char*, kFilmQuantities> kQuantities{
+    "S0",       "S1",        "S2",        "S3",          "DoLP",
+    "AoLP",     "StdErr_S0", "StdErr_S1", "StdErr_S2",   "StdErr_S3",
+    "Cov_S0S1", "Cov_S0S2",  "Cov_S1S2",  "StdErr_DoLP", "StdErr_AoLP"};
 
 // of(pixel index) for each pixel.
 template <class Of>
 void add(Image& image, const std::string& name, Of of) {
-    image.computed[name] = [of](std::size_t from, std::size_t to, float* numbers) {
-        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(of(i));
+    const auto numbers_of = [of](std::size_t from, std::size_t to, float* const* numbers) {
+        for (std::size_t i = from; i < to; ++i) numbers[0][i - from] = static_cast<float>(of(i));
     };
+    image.computed.push_back({{name}, numbers_of});
 }
 
 // All quantities of a wavelength.
 void add_quantities(Image& image, const Film& film, std::size_t w, DolpEstimator estimator) {
-    for (const Quantity& quantity : kQuantities) {
-        const bool debiased =
-            estimator == DolpEstimator::kDebiased && quantity.name == std::string_view("DoLP");
-        const auto value = debiased ? &debiased_dolp : quantity.of;
-        add(image, spectral_channel(quantity.name, film.wavelengths_nm[w]),
-            [&film, w, value](std::size_t i) { return value(film.at(i, w)); });
-    }
+    std::vector<std::string> names;
+    for (const char* name : kQuantities)
+        names.push_back(spectral_channel(name, film.wavelengths_nm[w]));
+    const auto numbers_of = [&film, w, estimator](std::size_t from, std::size_t to,
+                                                  float* const* numbers) {
+        derive(film, w, from, to, numbers);
+        if (estimator == DolpEstimator::kDebiased)
+            for (std::size_t i = from; i < to; ++i)
+                numbers[kDolp][i - from] = static_cast<float>(debiased_dolp(film.at(i, w)));
+    };
+    image.computed.push_back({names, numbers_of});
 }
 
 // Ids count from 1 in the header's list of names; 0 is the sky.

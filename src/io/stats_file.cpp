@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "malus/io/file.h"
@@ -13,12 +14,20 @@
 namespace malus {
 
 ErrorSummary summarize_error(const Film& film, std::size_t wavelength) {
+    constexpr std::size_t kBlock = 64;
+    std::array<std::array<float, kBlock>, kFilmQuantities> numbers;
+    std::array<float*, kFilmQuantities> rows;
+    for (std::size_t q = 0; q < kFilmQuantities; ++q) rows[q] = numbers[q].data();
     std::vector<double> s0, dolp;
-    for (std::size_t i = 0; i < film.pixel_count(); ++i) {
-        if (!(film.coverage[i] > 0)) continue;
-        const PixelStokes& pixel = film.at(i, wavelength);
-        dolp.push_back(stderr_dolp(pixel));
-        if (pixel.mean.s0 > 0) s0.push_back(relative_stderr_s0(pixel));
+    for (std::size_t at = 0; at < film.pixel_count(); at += kBlock) {
+        const std::size_t end = std::min(at + kBlock, film.pixel_count());
+        derive(film, wavelength, at, end, rows.data());
+        for (std::size_t i = at; i < end; ++i) {
+            if (!(film.coverage[i] > 0)) continue;
+            dolp.push_back(rows[kErrorDolp][i - at]);
+            const double light = film.at(i, wavelength).mean.s0;
+            if (light > 0) s0.push_back(rows[kErrorS0][i - at] / light);
+        }
     }
     const auto rms = [](const std::vector<double>& errors) {
         double squares = 0;

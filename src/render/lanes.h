@@ -49,6 +49,19 @@ struct Conversion<Lanes, Reals> {
     }
 };
 
+/// Rounded to floats, kSide of them.
+inline void store_floats(const Reals& x, float* to) {
+#if defined(__AVX512F__)
+    _mm256_storeu_ps(to, _mm512_cvtpd_ps(x));
+#elif defined(__AVX__)
+    _mm_storeu_ps(to, _mm256_cvtpd_ps(x));
+#else
+    alignas(64) std::array<double, kSide> from;
+    x.store_aligned(from.data());
+    for (std::size_t i = 0; i < kSide; ++i) to[i] = static_cast<float>(from[i]);
+#endif
+}
+
 namespace detail {
 template <class T, class Read, std::size_t... I>
 T lanewise(const Read& read, std::index_sequence<I...>) {

@@ -107,12 +107,13 @@ TEST_CASE("EXR: channels computed while written hold their pixels' numbers in ea
     // More rows than any number of threads up to 64 takes at once, and a last strip that is short.
     image.width = 5, image.height = 16 * 64 + 7;
     image.channel("stored").assign(image.pixel_count(), 3);
-    image.computed["place"] = [](std::size_t from, std::size_t to, float* numbers) {
-        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(i);
+    const auto numbers_of = [](std::size_t from, std::size_t to, float* const* numbers) {
+        for (std::size_t i = from; i < to; ++i) {
+            numbers[0][i - from] = static_cast<float>(i);
+            numbers[1][i - from] = static_cast<float>(i) / 2;
+        }
     };
-    image.computed["half"] = [](std::size_t from, std::size_t to, float* numbers) {
-        for (std::size_t i = from; i < to; ++i) numbers[i - from] = static_cast<float>(i) / 2;
-    };
+    image.computed.push_back({{"place", "half"}, numbers_of});
     for (Compression as : {Compression::kZip, Compression::kNone}) {
         write_exr(folder / "image.exr", image, as);
         const Image back = read_exr(folder / "image.exr");

@@ -282,6 +282,64 @@ TEST_CASE("Error bars: few replicates that carry the light widen them by Kish's 
     CHECK(stderr_aolp(pixel) == Approx(std::sqrt(7.0 / 6) * 0.1 / (2 * 0.5)));
 }
 
+TEST_CASE("Film: what follows from pixels side by side is what follows from each of them") {
+    // 37 pixels: full registers and a rest. Among them no light, unpolarized, faint, of one replicate.
+    constexpr std::size_t kPixels = 37, kWavelengths = 3, kAt = 1;
+    Film film(static_cast<int>(kPixels), 1, {440, 550, 600});
+    std::mt19937_64 engine(7);
+    std::uniform_real_distribution<double> share(-1, 1);
+    for (std::size_t i = 0; i < kPixels; ++i) {
+        PixelStokes& pixel = film.stokes[i * kWavelengths + kAt];
+        const double s0 = 0.1 * (1.1 + share(engine)), noise = i % 5 ? 0.01 : 0.6;
+        pixel.mean = {s0, 0.5 * s0 * share(engine), 0.5 * s0 * share(engine),
+                      0.1 * s0 * share(engine)};
+        for (std::size_t e : {0u, 3u, 5u, 6u})
+            pixel.covariance[e] = static_cast<float>(sqr(noise * s0 * (2 + share(engine))));
+        for (std::size_t e : {1u, 2u, 4u})
+            pixel.covariance[e] = static_cast<float>(sqr(noise * s0) * share(engine));
+        pixel.replicates = i % 2 ? 8.f : 32.f;
+    }
+    film.stokes[3 * kWavelengths + kAt].mean = {};
+    film.stokes[4 * kWavelengths + kAt] = {};
+    film.stokes[5 * kWavelengths + kAt].mean = {1, 0, 0, 0};
+    film.stokes[6 * kWavelengths + kAt].mean = {1e-24, 0.3e-24, -0.4e-24, 0};
+    film.stokes[7 * kWavelengths + kAt].mean = {1, -0.5, -1e-18, 0};  // AoLP just below 90 degrees
+    film.stokes[8 * kWavelengths + kAt].mean = {1, 0.5, -1e-18, 0};   // and just below 180
+    film.stokes[36 * kWavelengths + kAt].mean = {0.5, 0.6, 0, 0};
+
+    std::vector<std::vector<float>> numbers(kFilmQuantities, std::vector<float>(kPixels + 1, -7));
+    std::vector<float*> rows;
+    for (auto& row : numbers) rows.push_back(row.data());
+    derive(film, kAt, 1, kPixels, rows.data());
+    for (std::size_t i = 1; i < kPixels; ++i) {
+        CAPTURE(i);
+        const PixelStokes& pixel = film.at(i, kAt);
+        const auto& C = pixel.covariance;
+        const auto found = [&](FilmQuantity of) { return numbers[of][i - 1]; };
+        const auto same = [](double x) { return Approx(x).epsilon(1e-6).margin(1e-37); };
+        CHECK(found(kS0) == same(pixel.mean.s0));
+        CHECK(found(kS1) == same(pixel.mean.s1));
+        CHECK(found(kS2) == same(pixel.mean.s2));
+        CHECK(found(kS3) == same(pixel.mean.s3));
+        CHECK(found(kDolp) == same(std::min(1.0, dolp(pixel.mean))));
+        const double axis = to_degrees(aolp(pixel.mean));
+        CHECK(found(kAolp) == same(static_cast<float>(axis) < 180 ? axis : 0));
+        CHECK(found(kErrorS0) == same(std::sqrt(C[0])));
+        CHECK(found(kErrorS1) == same(std::sqrt(C[3])));
+        CHECK(found(kErrorS2) == same(std::sqrt(C[5])));
+        CHECK(found(kErrorS3) == same(std::sqrt(C[6])));
+        CHECK(found(kCovS0S1) == C[1]);
+        CHECK(found(kCovS0S2) == C[2]);
+        CHECK(found(kCovS1S2) == C[4]);
+        CHECK(found(kErrorDolp) == same(stderr_dolp(pixel)));
+        CHECK(found(kErrorAolp) == same(to_degrees(stderr_aolp(pixel))));
+    }
+    for (const auto& row : numbers) {  // nothing beyond what was asked for
+        CHECK(row[kPixels - 1] == -7);
+        CHECK(row[kPixels] == -7);
+    }
+}
+
 namespace {
 
 // Mean of the raw and of the debiased DoLP over noise of deviation `sigma` in S1 and S2, S0 = 1, by

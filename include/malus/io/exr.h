@@ -15,15 +15,19 @@ namespace malus {
 
 using Attribute = std::variant<std::string, float, int, std::vector<std::string>>;
 
-/// A channel that is computed as it is written: the numbers of pixels [from, to), rows from the top.
-/// Called by several threads at once.
-using ComputedChannel = std::function<void(std::size_t from, std::size_t to, float* numbers)>;
+/// Channels that are computed as they are written, several at once where they share work.
+struct ComputedChannels {
+    std::vector<std::string> names;
+    /// The numbers of pixels [from, to), rows from the top, one array for each name. Called by
+    /// several threads at once.
+    std::function<void(std::size_t from, std::size_t to, float* const* numbers)> of;
+};
 
 /// Channels of one size, rows from the top, and what the header says of them.
 struct Image {
     int width = 0, height = 0;
     std::map<std::string, std::vector<float>> channels;
-    std::map<std::string, ComputedChannel> computed;  ///< written like the others; none when read
+    std::vector<ComputedChannels> computed;  ///< written like the others; none when read
     std::map<std::string, Attribute> attributes;
 
     std::size_t pixel_count() const {

@@ -71,6 +71,31 @@ struct Film {
     }
 };
 
+/// What follows from the light of a pixel at one wavelength. AoLP and its error are in degrees, [0, 180) also
+/// when rounded to a float; DoLP is at most 1.
+enum FilmQuantity : std::size_t {
+    kS0,
+    kS1,
+    kS2,
+    kS3,
+    kDolp,
+    kAolp,
+    kErrorS0,
+    kErrorS1,
+    kErrorS2,
+    kErrorS3,
+    kCovS0S1,
+    kCovS0S2,
+    kCovS1S2,
+    kErrorDolp,
+    kErrorAolp,
+    kFilmQuantities
+};
+
+/// All of them for pixels [from, to): that of pixel i goes to rows[quantity][i − from].
+void derive(const Film& film, std::size_t wavelength, std::size_t from, std::size_t to,
+            float* const* rows);
+
 /// The larger of SE(DoLP) and SE(S0)/S0 at the wavelength where it is largest; nothing where no
 /// surface shows.
 std::optional<double> pixel_error(const Film& film, std::size_t pixel);
