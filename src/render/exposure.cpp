@@ -112,8 +112,10 @@ bool PixelExposure::add_all(const float* S, const float* open) {
 }
 
 void PixelExposure::set_open(std::uint32_t replicate, std::size_t wavelength, double share) {
-    open_[replicate * wavelengths_ + wavelength] =
-        static_cast<std::uint8_t>(std::lround(255 * share));
+    auto parts = static_cast<std::uint8_t>(std::lround(255 * share));
+    const bool odd = taken_ == 0;
+    if (parts > 1 && (parts % 2 == 1) != odd) --parts;
+    open_[replicate * wavelengths_ + wavelength] = parts;
 }
 
 bool PixelExposure::is_open() const {

@@ -168,6 +168,7 @@ void PathTracer::shade_open(Paths& paths) const {
     float* const onward = sky + block;
     for (std::size_t v = 0; v < paths.open_.size(); ++v) {
         const OpenSky& at = paths.open_[v];
+        if (!at.used) continue;
         float* const light = &paths.open_light_[v * block];
         if (!(at.sky_sample.lit | at.onward.lit)) {
             std::fill_n(light, block, 0.f);

@@ -92,7 +92,7 @@ std::optional<Hit> PathTracer::look(int pixel_x, int pixel_y) const {
 }
 
 void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count,
-                       Paths& paths, const SkyTable* table, const SkyDensity* toward) const {
+                       Paths& paths, const OpenView& open) const {
     paths.start(first, count, static_cast<std::size_t>(settings_.max_depth));
     look_through(pixel_x, pixel_y, paths);
     for (int depth = 1; depth <= settings_.max_depth; ++depth) {
@@ -101,10 +101,10 @@ void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint3
             Meeting at = meet(depth, i, paths);
             Vertices& vertices = level.vertices.emplace_back();
             vertices.surface = at.surface;
-            draw(depth, at, paths, depth == 1 && toward ? *toward : scene_.sky.density());
+            draw(depth, at, paths, depth == 1 && open.toward ? *open.toward : scene_.sky.density());
             sample_lights(at, paths, vertices);
             go_on(depth, at, paths, vertices);
-            if (depth == 1 && table) paths.open_.push_back(open_sky(at, *table, pixel_x, pixel_y));
+            if (depth == 1 && open.table) find_open(at, open, pixel_x, pixel_y, paths);
         }
     }
 }
@@ -305,48 +305,54 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
 
 // What nodes near the first vertices would reflect of the same directions, or of those that the same
 // numbers draw there, were nothing in the way.
-OpenSky PathTracer::open_sky(const Meeting& at, const SkyTable& table, int pixel_x,
-                             int pixel_y) const {
+void PathTracer::find_open(const Meeting& at, const OpenView& view, int pixel_x, int pixel_y,
+                           Paths& paths) const {
     constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
-    OpenSky open;
-    open.surface = at.surface;
-    open.sky_sample_seen = at.sky_seen;
-    open.onward_seen = at.onward_seen;
-    const auto n = stored(at.hit.n), wo = stored(at.wo);
-    std::array<SkyNode, kSide> nodes;
-    std::array<double, kSide> scale;
-    unsigned found = 0, sharp = 0;
-    for (std::size_t i = 0; i < kSide; ++i) {
-        open.node[i] = -1;
-        scale[i] = 1;
-        nodes[i].n = n[i], nodes[i].wo = wo[i];
-        if (!(at.live >> i & 1)) continue;
-        const int index = table.find(pixel_x, pixel_y, at.instance[i], n[i]);
-        if (index < 0) continue;
-        const SkyNode& node = table.node(index);
-        const double ratio = node.cos_o / dot(n[i], wo[i]);
-        if (ratio > kFarthest || ratio * kFarthest < 1) continue;
-        open.node[i] = index;
-        scale[i] = ratio;
-        nodes[i] = node;
-        found |= 1u << i;
-        // Sharp lobes turn with their node. Over what wider ones turn by, the sky's light differs by
-        // more than f does; they keep the directions themselves.
-        sharp |= (scene_.surface_of(at.instance[i]).sharp() ? 1u : 0u) << i;
-    }
-    open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
-    if (!found) return open;
+    const auto n = stored(at.hit.n), wo = stored(at.wo), toward = stored(at.toward.x);
+    std::array<NodeShares, kSide> shares;
+    for (std::size_t i = 0; i < kSide; ++i)
+        if (at.live >> i & 1)
+            shares[i] = view.table->find(pixel_x, pixel_y, at.instance[i], n[i], view.linear);
+    const std::size_t first = paths.open_.size();
+    paths.open_.resize(first + kShares);
     Meeting node = at;
-    node.live = found;
-    node.hit.n = vectors([&](std::size_t i) { return nodes[i].n; });
-    node.wo = vectors([&](std::size_t i) { return nodes[i].wo; });
-    const auto toward = stored(at.toward.x);
-    node.toward = {node.wo, vectors([&](std::size_t i) {
-                       return open.node[i] < 0 ? toward[i] : nodes[i].toward.x;
-                   })};
-    if (sharp) draw_by_surface(node, sharp);
-    reflect_open(node, open);
-    return open;
+    for (std::size_t share = 0; share < kShares; ++share) {
+        OpenSky& open = paths.open_[first + share];
+        std::array<Vec3, kSide> node_n = n, node_wo = wo, node_toward = toward;
+        std::array<double, kSide> scale;
+        unsigned sharp = 0;
+        node.live = 0;
+        for (std::size_t i = 0; i < kSide; ++i) {
+            open.node[i] = -1;
+            scale[i] = 1;
+            const int index = shares[i].node[share];
+            if (index < 0) continue;
+            const SkyNode& found = view.table->node(index);
+            const double ratio = found.cos_o / dot(n[i], wo[i]);
+            if (ratio > kFarthest || ratio * kFarthest < 1) continue;
+            open.node[i] = index;
+            scale[i] = ratio * shares[i].weight[share];
+            node_n[i] = found.n, node_wo[i] = found.wo, node_toward[i] = found.toward.x;
+            node.live |= 1u << i;
+            // Sharp lobes turn with their node. Over what wider ones turn by, the sky's light differs
+            // by more than f does; they keep the directions themselves.
+            sharp |= (scene_.surface_of(at.instance[i]).sharp() ? 1u : 0u) << i;
+        }
+        open.used = node.live;
+        if (!open.used) continue;
+        const auto register_of = [](const std::array<Vec3, kSide>& v) {
+            return vectors([&](std::size_t i) { return v[i]; });
+        };
+        node.hit.n = register_of(node_n);
+        node.wo = register_of(node_wo);
+        node.toward = {node.wo, register_of(node_toward)};
+        if (sharp) draw_by_surface(node, sharp);
+        open.surface = at.surface;
+        open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
+        open.sky_sample_seen = at.sky_seen;
+        open.onward_seen = at.onward_seen;
+        reflect_open(node, open);
+    }
 }
 
 // No light from below a node's plane or the horizon.
@@ -381,8 +387,15 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};
         draw(1, at, paths, scene_.sky.density());
-        OpenSky& open = paths.open_.emplace_back();
+        const std::size_t place = paths.open_.size();
+        paths.open_.resize(place + kShares);
+        for (std::size_t share = 1; share < kShares; ++share) {
+            paths.open_[place + share].node.fill(-1);
+            paths.open_[place + share].used = false;
+        }
+        OpenSky& open = paths.open_[place];
         open.node.fill(0);
+        open.used = true;
         open.surface = at.surface;
         open.scale = Reals(1.0);
         open.sky_sample_seen = open.onward_seen = 0;

@@ -16,6 +16,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,11 +50,12 @@ struct Vertices {
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
 };
 
-/// What first vertices would reflect of an open sky at nodes of the sky table.
+/// What first vertices would reflect of an open sky at nodes of the sky table, one a vertex.
 struct OpenSky {
     std::array<int, kSide> node;     ///< −1: none
+    bool used;                       ///< is there any?
     std::array<int, kSide> surface;  ///< index into the scene's
-    Reals scale;                     ///< g of sky_table.h, in the weights of the bounces, too
+    Reals scale;  ///< weight times g of sky_table.h, in the bounces' weights, too
     Bounces sky_sample, onward;
     std::array<SkyLookup, kSide> sky_sample_light, onward_light;
     unsigned sky_sample_seen, onward_seen;  ///< lanes whose light reaches the vertex
@@ -96,12 +98,17 @@ class Paths {
     /// [S0..S3][wavelength][replicate].
     void light(std::size_t sample, std::size_t wavelengths, float* S) const;
 
-    /// The node whose open sky path i has beside its own light, −1: none; its g.
-    int open_node(std::size_t i) const;
-    double open_scale(std::size_t i) const;
-    /// g C of sky_table.h, [S0..S3][wavelength], and S0 of what of it reaches the vertex,
-    /// [wavelength], with path i's first and others kSide apart.
-    const float* open_light(std::size_t i, std::size_t wavelengths) const;
+    /// Does path i have an open sky beside its own light?
+    bool has_open(std::size_t i) const;
+    /// What one of the nodes brings to path i's open sky: its weight times g of sky_table.h; that times C,
+    /// [S0..S3][wavelength], and S0 of what of it reaches the vertex, [wavelength], all kSide apart.
+    struct Open {
+        std::size_t node;
+        double scale;
+        const float* light;
+    };
+    /// Of a path that met a surface; nothing where there is no such node.
+    std::optional<Open> open(std::size_t i, std::size_t share, std::size_t wavelengths) const;
 
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
     std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
@@ -147,9 +154,16 @@ class Paths {
     std::vector<Views> views_;
     std::vector<float> view_light_;  // as a level's, where the sky is seen
     std::vector<Level> levels_;      // [depth − 1]
-    std::vector<OpenSky> open_;      // of the first vertices; empty without a table
-    std::vector<float> open_light_;  // [vertices][S0..S3, seen][wavelength][lane], padded
+    std::vector<OpenSky> open_;      // [first vertices][share]; empty without a table
+    std::vector<float> open_light_;  // [of open_][S0..S3, seen][wavelength][lane], padded
     std::vector<float> arriving_;
+};
+
+/// What is known of the open sky around a pixel.
+struct OpenView {
+    const SkyTable* table = nullptr;     ///< null: nothing is wanted of it
+    const SkyDensity* toward = nullptr;  ///< may draw the first vertices' light instead of the sky
+    bool linear = false;                 ///< do several nodes stand for the pixel?
 };
 
 class PathTracer {
@@ -159,9 +173,9 @@ class PathTracer {
 
     /// Samples [first, first + count) of each replicate through the box of pixel (pixel_x, pixel_y):
     /// path (sample − first) · replicates + replicate. With a table, what the open sky would bring,
-    /// too; then `toward` may draw the first vertices' light in place of the sky's brightness.
+    /// too.
     void trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint32_t count, Paths& paths,
-               const SkyTable* table = nullptr, const SkyDensity* toward = nullptr) const;
+               const OpenView& open = {}) const;
     /// The light of traced paths.
     void shade(Paths& paths) const;
 
@@ -183,7 +197,8 @@ class PathTracer {
     unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,
                   Paths& paths) const;
     void reflect_open(const Meeting& at, OpenSky& open) const;
-    OpenSky open_sky(const Meeting& at, const SkyTable& table, int pixel_x, int pixel_y) const;
+    void find_open(const Meeting& at, const OpenView& view, int pixel_x, int pixel_y,
+                   Paths& paths) const;
     Reals light_weight(const Reals& by_light, const Reals& by_surface, Lighting drawn_by) const;
 
     void shade_views(Paths& paths) const;

@@ -104,25 +104,25 @@ void Paths::light(std::size_t sample, std::size_t wavelengths, float* S) const {
     }
 }
 
-const float* Paths::open_light(std::size_t i, std::size_t wavelengths) const {
-    const auto place = static_cast<std::size_t>(first_vertex_[i]);
-    return &open_light_[place / kSide * block_size(5 * wavelengths) + place % kSide];
-}
-
 float* Paths::arriving(std::size_t block) {
     arriving_.resize(std::max(arriving_.size(), 2 * block));
     return arriving_.data();
 }
 
-int Paths::open_node(std::size_t i) const {
-    if (open_.empty() || first_vertex_[i] < 0) return -1;
+bool Paths::has_open(std::size_t i) const {
+    if (open_.empty() || first_vertex_[i] < 0) return false;
     const auto place = static_cast<std::size_t>(first_vertex_[i]);
-    return open_[place / kSide].node[place % kSide];
+    return open_[place / kSide * kShares].node[place % kSide] >= 0;
 }
 
-double Paths::open_scale(std::size_t i) const {
-    const auto place = static_cast<std::size_t>(first_vertex_[i]);
-    return lane(open_[place / kSide].scale, place % kSide);
+std::optional<Paths::Open> Paths::open(std::size_t i, std::size_t share,
+                                       std::size_t wavelengths) const {
+    const auto place = static_cast<std::size_t>(first_vertex_[i]), lane_of = place % kSide,
+               at = place / kSide * kShares + share;
+    const OpenSky& open = open_[at];
+    if (open.node[lane_of] < 0) return {};
+    return Open{static_cast<std::size_t>(open.node[lane_of]), lane(open.scale, lane_of),
+                &open_light_[at * block_size(5 * wavelengths) + lane_of]};
 }
 
 }  // namespace malus

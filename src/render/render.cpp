@@ -26,6 +26,8 @@ namespace {
 
 // A smaller share of the open sky would take more time to account for than it saves.
 constexpr double kLeastOpen = 0.5;
+// Where more of the sky is hidden, what nodes differ by is not what noise comes from.
+constexpr double kMostHidden = 0.02;
 // Of the light that a pixel's first samples should have met, to believe what they say of its share.
 constexpr double kLeastEvidence = 0.25;
 
@@ -156,7 +158,7 @@ class Job {
                 tracer_.sample_open(table_->node(static_cast<int>(node)), table_->samples(node),
                                     worker.paths);
                 for (std::uint32_t r = 0; r < exposure().replicates; ++r)
-                    table_->add(node, r, worker.paths.open_light(r, wavelengths), kSide);
+                    table_->add(node, r, worker.paths.open(r, 0, wavelengths)->light, kSide);
                 table_->end_sample(node);
             }
             table_->develop(node);
@@ -219,10 +221,13 @@ class Job {
     void trace(int x, int y, std::uint32_t count, Worker& worker) {
         const std::uint32_t first = worker.pixel.taken();
         const bool open = table_ && (first < kDeciding || worker.pixel.is_open());
-        tracer_.trace(x, y, first, count, worker.paths, open ? &*table_ : nullptr,
-                      open ? toward_occluders(x, y) : nullptr);
+        tracer_.trace(x, y, first, count, worker.paths, open ? open_view(x, y) : OpenView{});
         tracer_.shade(worker.paths);
         worker.samples += worker.paths.size();
+    }
+
+    OpenView open_view(int x, int y) const {
+        return {&*table_, toward_occluders(x, y), occluders_->hidden_share(x, y) <= kMostHidden};
     }
 
     // What draws directions toward what hides the sky, where light of the open sky is known; or null.
@@ -237,27 +242,28 @@ class Job {
     void find_open(Worker& worker, bool hidden_known) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         struct Light {
-            double whole, seen;
+            double whole = 0, seen = 0;
         };
         std::vector<Light> light(R * W);
-        for (std::size_t r = 0; r < R; ++r) {
-            if (worker.paths.open_node(r) < 0) continue;
-            const float* C = worker.paths.open_light(r, W);
-            for (std::size_t w = 0; w < W; ++w)
-                light[r * W + w] = {static_cast<double>(C[w * kSide]),
-                                    static_cast<double>(C[(4 * W + w) * kSide])};
-        }
+        for (std::size_t r = 0; r < R; ++r)
+            for_each_open(worker.paths, r, [&](const Paths::Open& open) {
+                for (std::size_t w = 0; w < W; ++w) {
+                    light[r * W + w].whole += static_cast<double>(open.light[w * kSide]);
+                    light[r * W + w].seen += static_cast<double>(open.light[(4 * W + w) * kSide]);
+                }
+            });
         for (std::uint32_t r = 0; r < R; ++r)
             for (std::size_t w = 0; w < W; ++w) {
                 if (worker.pixel.is_open(r, w)) continue;
                 double whole = 0, seen = 0, expected = 0;
                 for (std::size_t other = 0; other < R; ++other) {
-                    const int node = worker.paths.open_node(other);
-                    if (other == r || node < 0) continue;
-                    const float* T = table_->mean(static_cast<std::size_t>(node));
+                    if (other == r) continue;
                     whole += light[other * W + w].whole;
                     seen += light[other * W + w].seen;
-                    expected += worker.paths.open_scale(other) * static_cast<double>(T[w * R + r]);
+                    for_each_open(worker.paths, other, [&](const Paths::Open& open) {
+                        expected +=
+                            open.scale * static_cast<double>(table_->mean(open.node)[w * R + r]);
+                    });
                 }
                 const bool known = whole > kLeastEvidence * expected && expected > 0;
                 const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
@@ -285,22 +291,27 @@ class Job {
         const Paths& paths = worker.paths;
         const std::size_t W = result_.exposure.wavelengths_nm.size(), R = paths.replicates();
         bool open = false;
-        for (std::size_t r = 0; r < R; ++r) open |= paths.open_node(sample * R + r) >= 0;
+        for (std::size_t r = 0; r < R; ++r) open |= paths.has_open(sample * R + r);
         if (!open) return false;
-        for (std::size_t r = 0; r < R; ++r) {
-            const std::size_t i = sample * R + r;
-            const int node = paths.open_node(i);
-            float* D = worker.open.data() + r;
-            if (node < 0) {
-                for (std::size_t j = 0; j < 4 * W; ++j) D[j * R] = 0;
-                continue;
-            }
-            const float* T = table_->mean(static_cast<std::size_t>(node)) + r;
-            const float* C = paths.open_light(i, W);
-            const auto g = static_cast<float>(paths.open_scale(i));
-            for (std::size_t j = 0; j < 4 * W; ++j) D[j * R] = g * T[j * R] - C[j * kSide];
-        }
+        std::fill_n(worker.open.begin(), 4 * W * R, 0.f);
+        for (std::size_t r = 0; r < R; ++r)
+            for_each_open(paths, sample * R + r, [&](const Paths::Open& node) {
+                const float* T = table_->mean(node.node) + r;
+                const auto g = static_cast<float>(node.scale);
+                float* D = worker.open.data() + r;
+                for (std::size_t j = 0; j < 4 * W; ++j)
+                    D[j * R] += g * T[j * R] - node.light[j * kSide];
+            });
         return true;
+    }
+
+    // The nodes of a path's open sky.
+    template <class Visit>
+    void for_each_open(const Paths& paths, std::size_t path, const Visit& visit) const {
+        if (!paths.has_open(path)) return;
+        for (std::size_t share = 0; share < kShares; ++share)
+            if (const auto open = paths.open(path, share, result_.exposure.wavelengths_nm.size()))
+                visit(*open);
     }
 
     // Of a sample of which some are refused, one.

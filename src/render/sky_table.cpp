@@ -18,7 +18,10 @@ constexpr double kSharpAcross = 2, kWideAcross = 1.4;
 constexpr std::uint32_t kFewest = 16;  // pixels of a node
 constexpr double kSamples = 0.5;       // of T, for each sample of a node's pixels
 constexpr double kLeast = 4;           // of T, for each sample of the pixel that wants most
-constexpr double kGrazing = 0.02;      // cosθo: nodes seen flatter than that say little of others
+constexpr double kFlat = 1e-3;         // rad that normals beside each other may differ by there
+// Of a pixel, at the end of the round in which the last of them say what it needs.
+constexpr std::uint32_t kEarly = 4;
+constexpr double kGrazing = 0.02;  // cosθo: nodes seen flatter than that say little of others
 
 // The sphere on a square [0,1]² (octahedral map), z toward its middle.
 struct MapPoint {
@@ -30,6 +33,14 @@ MapPoint octahedral(const Vec3& v) {
     if (v.z >= 0) return {0.5 * (1 + x), 0.5 * (1 + y)};
     return {0.5 * (1 + std::copysign(1 - std::abs(y), x)),
             0.5 * (1 + std::copysign(1 - std::abs(x), y))};
+}
+
+// What a step to the next cell of the picture adds to a key.
+constexpr std::array<int, 2> kAxisShift{36, 24};
+
+bool is_flat(const Vec3& n, const Vec3& beside) {
+    const Vec3 step = n - beside;
+    return dot(step, step) < sqr(kFlat);
 }
 
 // Angle between the rays of two pixels beside each other, rad; 0: all rays are parallel.
@@ -75,8 +86,9 @@ SkyTable::Key SkyTable::key(int pixel_x, int pixel_y, int instance, const Vec3& 
     const auto at = [&](int pixel) {
         return cells.pixels == HUGE_VAL ? Key{0} : cell((pixel + 0.5) / cells.pixels);
     };
-    return (static_cast<Key>(paint) << 48) | (at(pixel_x) << 36) | (at(pixel_y) << 24) |
-           (cell(p.x * cells.normals + 0.37) << 12) | cell(p.y * cells.normals + 0.41);
+    return (static_cast<Key>(paint) << 48) | (at(pixel_x) << kAxisShift[0]) |
+           (at(pixel_y) << kAxisShift[1]) | (cell(p.x * cells.normals + 0.37) << 12) |
+           cell(p.y * cells.normals + 0.41);
 }
 
 std::optional<SkyNode> SkyTable::node_of(int pixel_x, int pixel_y, int instance,
@@ -125,31 +137,71 @@ void SkyTable::settle() {
         if (i >= 0) i = place[static_cast<std::size_t>(i)];
     index_.clear();
     for (std::size_t i = 0; i < kept; ++i) index_.emplace(keys_[i], static_cast<int>(i));
+    neighbours_.resize(kept);
+    for (std::size_t i = 0; i < kept; ++i) find_neighbours(i);
     sums_.resize(kept * replicates_ * row_);
     means_.resize(kept * replicates_ * row_);
     samples_.resize(kept);
 }
 
-int SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n) const {
-    const Key k = key(pixel_x, pixel_y, instance, n);
-    if (k == kNone) return -1;
-    const int usual = seen_[pixel(pixel_x, pixel_y)];
-    if (usual >= 0 && keys_[static_cast<std::size_t>(usual)] == k) return usual;
-    const auto found = index_.find(k);
-    return found == index_.end() ? -1 : found->second;
+// None of sharp paint: with directions that turn with the node little is left to gain, and three nodes
+// cost more than that.
+void SkyTable::find_neighbours(std::size_t node) {
+    neighbours_[node] = {{{-1, -1}, {-1, -1}}};
+    if (scene_.surface_of(nodes_[node].instance).sharp()) return;
+    for (std::size_t axis = 0; axis < 2; ++axis)
+        for (std::size_t side = 0; side < 2; ++side) {
+            const Key step = Key{1} << kAxisShift[axis];
+            const auto found = index_.find(side == 0 ? keys_[node] - step : keys_[node] + step);
+            const bool goes_on =
+                found != index_.end() &&
+                is_flat(nodes_[static_cast<std::size_t>(found->second)].n, nodes_[node].n);
+            neighbours_[node][axis][side] = goes_on ? found->second : -1;
+        }
 }
 
-// Do samples of the pixel use T, as its first ones found?
+NodeShares SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n,
+                          bool linear) const {
+    NodeShares shares;
+    const Key k = key(pixel_x, pixel_y, instance, n);
+    if (k == kNone) return shares;
+    int own = seen_[pixel(pixel_x, pixel_y)];
+    if (own < 0 || keys_[static_cast<std::size_t>(own)] != k) {
+        const auto found = index_.find(k);
+        if (found == index_.end()) return shares;
+        own = found->second;
+    }
+    shares.node[0] = own;
+    const double width =
+        cells_[static_cast<std::size_t>(scene_.paints[static_cast<std::size_t>(instance)])].pixels;
+    if (!linear || width == HUGE_VAL || !is_flat(node(own).n, n)) return shares;
+    // The neighbour on the pixel's side of the cell's middle, or else that on the other side.
+    const std::array<double, 2> place{(pixel_x + 0.5) / width, (pixel_y + 0.5) / width};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const auto& neighbours = neighbours_[static_cast<std::size_t>(own)][axis];
+        const double off = place[axis] - std::floor(place[axis]) - 0.5;
+        const std::size_t near = off > 0 ? 1 : 0, side = neighbours[near] >= 0 ? near : 1 - near;
+        if (neighbours[side] < 0) continue;
+        shares.node[axis + 1] = neighbours[side];
+        shares.weight[axis + 1] = side == 1 ? off : -off;
+        shares.weight[0] -= shares.weight[axis + 1];
+    }
+    return shares;
+}
+
+// Do samples of the pixel use T, as its first ones found before this round?
 bool SkyTable::needs(const Exposure& exposure, std::size_t pixel) const {
     const std::size_t shares = replicates_ * exposure.wavelengths_nm.size();
     const auto first = exposure.open.begin() + static_cast<std::ptrdiff_t>(pixel * shares);
+    // What a later sample than the first found may be of this round.
+    const bool early = exposure.wanted[pixel] <= kEarly;
     return std::any_of(first, first + static_cast<std::ptrdiff_t>(shares),
-                       [](std::uint8_t share) { return share > 0; });
+                       [early](std::uint8_t share) { return early ? share % 2 == 1 : share > 0; });
 }
 
 // Only ever more from round to round, and by the exposure alone: a render that goes on has the T of
-// one that never stopped. To the next power of two, since rounds are cut short by the samples asked
-// for.
+// one that never stopped, wherever in a round it did. To the next power of two, since rounds are cut
+// short by the samples asked for.
 std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
     std::vector<double> pixels(nodes_.size(), 0.0), sum = pixels, most = pixels;
     for (std::size_t pixel = 0; pixel < seen_.size(); ++pixel) {

@@ -9,10 +9,13 @@
 //       replay; Hua et al. 2019, A Survey on Gradient-Domain Rendering)
 //   T = ∫ f(n',wo',wi) L(wi) cosθi' dωi: the mean of C, from many samples that trace no rays
 //   g = cosθo'/cosθo: what a facet's foreshortening differs by
+//   On flat surfaces of rough paint g T and g C are sums over nodes beside each other in the picture, with weights that
+//   make them linear in the pixel's place there: what is left of X − C is of second order.
 //   α   how much of C reaches the pixel, as the first samples of its other replicates found: 1 in
 //       the open, where X and C hardly differ; 0 under cover
 //
-// No bias  ⟨T − C⟩ = 0 for whatever T's samples gave: each replicate has a T of its own, so that
+// No bias  ⟨T − C⟩ = 0 for whatever T's samples gave, at each node and with any weights that do not
+//          depend on the directions drawn: each replicate has a T of its own, so that
 //          the error of T, which pixels of a node share, is in the spread of the replicates.
 // Nodes    one for each paint, cell of the picture and cell of normals (in the camera's frame) that
 //          enough pixels look at; normal of the first of them, view of the cell's middle. Cells are
@@ -36,6 +39,13 @@ struct SkyNode {
     double cos_o;
 };
 
+/// Nodes whose weighted sum stands for a pixel, the nearest first; −1: none. The weights add up to 1.
+inline constexpr std::size_t kShares = 3;
+struct NodeShares {
+    std::array<int, kShares> node{-1, -1, -1};
+    std::array<double, kShares> weight{1, 0, 0};
+};
+
 class SkyTable {
   public:
     SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
@@ -48,8 +58,8 @@ class SkyTable {
 
     /// Has the middle of a pixel a node?
     bool knows(int pixel_x, int pixel_y) const { return seen_[pixel(pixel_x, pixel_y)] >= 0; }
-    /// −1 where there is none.
-    int find(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
+    /// Without `linear` the nearest alone.
+    NodeShares find(int pixel_x, int pixel_y, int instance, const Vec3& n, bool linear) const;
     const SkyNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
     std::size_t node_count() const { return nodes_.size(); }
 
@@ -71,6 +81,9 @@ class SkyTable {
         double pixels = 0;   // width in the picture
         double normals = 0;  // along a side of the octahedral map
     };
+    // Nodes in the next cells of the picture, where a rough surface goes on flat: [axis][side], the first
+    // side toward the origin; −1: none.
+    using Neighbours = std::array<std::array<int, 2>, 2>;
     using Key = std::uint64_t;
     static constexpr Key kNone = ~Key{0};
 
@@ -80,6 +93,7 @@ class SkyTable {
     }
     bool needs(const Exposure& exposure, std::size_t pixel) const;
     Key key(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
+    void find_neighbours(std::size_t node);
     std::optional<SkyNode> node_of(int pixel_x, int pixel_y, int instance, const Vec3& n) const;
 
     const PreparedScene::Impl& scene_;
@@ -91,6 +105,7 @@ class SkyTable {
     std::unordered_map<Key, int> index_;
     std::vector<SkyNode> nodes_;
     std::vector<Key> keys_;               // of the nodes
+    std::vector<Neighbours> neighbours_;  // the same
     std::vector<int> seen_;               // by pixel: its node
     std::vector<double> sums_;            // [node][S0..S3][wavelength][replicate]
     std::vector<float> means_;            // the same

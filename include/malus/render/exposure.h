@@ -34,9 +34,11 @@ struct Exposure {
     int width = 0, height = 0;
     std::uint32_t replicates = 0;
     std::vector<double> wavelengths_nm;
-    std::vector<float> stokes;        ///< [pixel][S0..S3][wavelength][replicate] sums
-    std::vector<std::uint8_t> open;   ///< [pixel][replicate][wavelength] α of the sky table × 255
-    std::vector<std::uint32_t> kept;  ///< [pixel][replicate] samples in the sums
+    std::vector<float> stokes;  ///< [pixel][S0..S3][wavelength][replicate] sums
+    /// [pixel][replicate][wavelength] α of the sky table × 255: odd where the pixel's first sample found it,
+    /// even where a later one did.
+    std::vector<std::uint8_t> open;
+    std::vector<std::uint32_t> kept;     ///< [pixel][replicate] samples in the sums
     std::vector<std::uint32_t> taken;    ///< [pixel] samples of each replicate, refused ones too
     std::vector<std::uint32_t> wanted;   ///< [pixel] what the round under way brings `taken` to
     std::vector<std::uint32_t> covered;  ///< [pixel] samples that met a surface
@@ -70,7 +72,7 @@ class PixelExposure {
     /// A sample of every replicate, [S0..S3][wavelength][replicate], and the same of `open`. False,
     /// and nothing is added, where one of them would be refused.
     bool add_all(const float* S, const float* open = nullptr);
-    /// α, [0,1], to the next 1/255.
+    /// α, [0,1], to 2/255: the last bit says whether a sample was there before.
     void set_open(std::uint32_t replicate, std::size_t wavelength, double share);
     bool is_open() const;  ///< is α > 0 for any replicate at any wavelength?
     bool is_open(std::size_t replicate, std::size_t wavelength) const;
