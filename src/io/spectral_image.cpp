@@ -58,11 +58,6 @@ void add_ids(Image& image, const std::string& channel, const std::string& attrib
 
 }  // namespace
 
-double aolp_degrees(const Stokes<double>& S) {
-    const double degrees = to_degrees(aolp(S));
-    return static_cast<float>(degrees) < 180.0f ? degrees : 0.0;
-}
-
 std::string spectral_channel(const std::string& quantity, double wavelength_nm) {
     std::array<char, 48> text;
     const auto end = std::to_chars(text.data(), text.data() + text.size(), wavelength_nm,

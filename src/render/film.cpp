@@ -11,6 +11,8 @@ namespace {
 
 // W m⁻² sr⁻¹ nm⁻¹; the covariance of fainter light is lost in floats, whose least is 1e-45.
 constexpr double kFaintest = 1e-18;
+// In place of a divisor that may be 0; its square is a number.
+constexpr double kLeast = 1e-150;
 
 enum Entry { k00, k01, k02, k11, k12, k22, k33 };
 
@@ -53,7 +55,7 @@ struct Polarized {
 template <class T>
 Polarized<T> polarized(const Stokes<T>& S) {
     using std::max, std::sqrt;
-    const T least = real<T>(1e-150);  // whose square is a number
+    const T least = real<T>(kLeast);
     const T P = sqrt(S.s1 * S.s1 + S.s2 * S.s2), inverse = real<T>(1) / max(P, least);
     return {P, S.s1 * inverse, S.s2 * inverse, P / max(S.s0, least)};
 }
@@ -92,7 +94,7 @@ Errors<T> errors(const Light<T>& light, const Polarized<T>& polarized) {
 
     // An axis of light that may well be unpolarized can point anywhere.
     const auto anywhere = (P <= zero) || (p < real<T>(3) * dolp);
-    const T turned = wider * sqrt(max(across, zero)) / (two * max(P, real<T>(1e-150)));
+    const T turned = wider * sqrt(max(across, zero)) / (two * max(P, real<T>(kLeast)));
     return {dolp, select(anywhere, right, min(right, turned))};
 }
 
@@ -101,7 +103,7 @@ T relative_error_s0(const Light<T>& light) {
     using std::max, std::sqrt;
     const T zero = real<T>(0), S0 = light.mean.s0, C00 = light.covariance[k00];
     const T without_light = select(C00 > zero, real<T>(1), zero);
-    return select(S0 > zero, sqrt(C00) / max(S0, real<T>(1e-150)), without_light);
+    return select(S0 > zero, sqrt(C00) / max(S0, real<T>(kLeast)), without_light);
 }
 
 // The larger error of a pixel; of the largest lane.
@@ -182,6 +184,10 @@ Film::Film(int w, int h, std::vector<double> wavelengths)
     distance.resize(pixels);
     instance.resize(pixels, -1);
     samples.resize(pixels);
+}
+
+double aolp_degrees(const Stokes<double>& S) {
+    return axis_degrees(S);
 }
 
 void derive(const Film& film, std::size_t wavelength, std::size_t from, std::size_t to,

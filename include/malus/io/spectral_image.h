@@ -20,9 +20,6 @@
 
 namespace malus {
 
-/// What an AoLP channel holds: degrees, below 180 also when rounded to a float.
-double aolp_degrees(const Stokes<double>& S);
-
 /// "S0.440,000000nm": six decimals and a decimal comma, whatever the locale.
 std::string spectral_channel(const std::string& quantity, double wavelength_nm);
 

@@ -71,8 +71,11 @@ struct Film {
     }
 };
 
-/// What follows from the light of a pixel at one wavelength. AoLP and its error are in degrees, [0, 180) also
-/// when rounded to a float; DoLP is at most 1.
+/// AoLP in degrees, [0, 180) also when rounded to a float.
+double aolp_degrees(const Stokes<double>& S);
+
+/// What follows from the light of a pixel at one wavelength. AoLP is aolp_degrees(), its error in degrees, too;
+/// DoLP is at most 1.
 enum FilmQuantity : std::size_t {
     kS0,
     kS1,
