@@ -83,16 +83,33 @@ std::uint64_t Occluders::look(int square_x, int square_y,
     const Scramble scramble = sampler.scramble(0);
     HiddenSky hidden;
     std::uint64_t rays = 0;
-    for (std::uint32_t i = 0; i < kRays; ++i) {
-        const SamplePoint u = scramble.point(i);
-        const Hit& from = *hits[static_cast<std::size_t>(u[2] * static_cast<double>(hits.size()))];
-        const SquarePoint p{u[0], u[1]};
-        const Vec3 w = direction_of(from_square(p), scene_.sky.dome().first_azimuth());
-        const double cos_theta = dot(w, from.n);
-        if (!(cos_theta > 0)) continue;  // reflects nothing from there
-        const bool above = dot(w, from.ng) > 0;
-        rays += above;
-        hidden.add(p, cos_theta, !above || scene_.accel.occluded(from.leave(w), w));
+    for (std::uint32_t first = 0; first < kRays; first += kSide) {
+        std::array<const Hit*, kSide> at;
+        std::array<SquarePoint, kSide> p;
+        std::array<DomePoint, kSide> dome;
+        for (std::uint32_t i = 0; i < kSide; ++i) {
+            const SamplePoint u = scramble.point(first + i);
+            at[i] = hits[static_cast<std::size_t>(u[2] * static_cast<double>(hits.size()))];
+            p[i] = {u[0], u[1]};
+            dome[i] = from_square(p[i]);
+        }
+        Hits from;
+        from.position = vectors([&](std::size_t i) { return at[i]->position; });
+        from.ng = vectors([&](std::size_t i) { return at[i]->ng; });
+        from.n = vectors([&](std::size_t i) { return at[i]->n; });
+        from.offset = lanewise<Reals>([&](std::size_t i) { return at[i]->offset; });
+        const Vec3s w = direction_of(
+            DomePointOf<Reals>{lanewise<Reals>([&](std::size_t i) { return dome[i].t; }),
+                               lanewise<Reals>([&](std::size_t i) { return dome[i].azimuth; })},
+            scene_.sky.dome().first_azimuth());
+        const Reals cos_theta = dot(w, from.n);
+        const unsigned reflected = bits(cos_theta > Reals(0.0));
+        const unsigned above = reflected & bits(dot(w, from.ng) > Reals(0.0));
+        rays += static_cast<std::uint64_t>(std::popcount(above));
+        const unsigned free = above & ~scene_.accel.occluded({from.leave(w), w}, above);
+        const auto cosines = stored(cos_theta);
+        for (std::size_t i = 0; i < kSide; ++i)
+            if (reflected >> i & 1) hidden.add(p[i], cosines[i], !(free >> i & 1));
     }
     hidden_[index(square_x, square_y)] = hidden.share();
     if (hidden.share() == 0 || hidden.share() > kMostHidden) return rays;
