@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
-#include "malus/core/sampler.h"
+#include "render/points.h"
 #include "scene/equal_area.h"
 
 namespace malus {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kCells = 16;     // along a side of the dome's square
 constexpr std::uint32_t kRays = 2048;  // of a square of the picture
+static_assert(kRays % kSide == 0);
 constexpr double kDefence = 0.5;
 // Share of the sky's hemisphere, by cosθ, that may be hidden: beyond, what is hidden is no small part to
 // be found, and light that the sky's brightness would find is missed.
@@ -59,6 +61,15 @@ class HiddenSky {
     double whole_ = 0, hidden_ = 0;
 };
 
+Hits side_by_side(const std::array<const Hit*, kSide>& at) {
+    Hits hits;
+    hits.position = vectors([&](std::size_t i) { return at[i]->position; });
+    hits.ng = vectors([&](std::size_t i) { return at[i]->ng; });
+    hits.n = vectors([&](std::size_t i) { return at[i]->n; });
+    hits.offset = lanewise<Reals>([&](std::size_t i) { return at[i]->offset; });
+    return hits;
+}
+
 }  // namespace
 
 Occluders::Occluders(const PreparedScene::Impl& scene, int width, int height)
@@ -84,32 +95,29 @@ std::uint64_t Occluders::look(int square_x, int square_y,
     HiddenSky hidden;
     std::uint64_t rays = 0;
     for (std::uint32_t first = 0; first < kRays; first += kSide) {
+        PointPlaces places;
+        places.scramble.fill(&scramble);
+        std::iota(places.sample.begin(), places.sample.end(), first);
+        const auto u = points<0, 3>(places);
+        const auto x = stored(u[0]), y = stored(u[1]), dealt = stored(u[2]);
         std::array<const Hit*, kSide> at;
-        std::array<SquarePoint, kSide> p;
+        for (std::size_t i = 0; i < kSide; ++i)
+            at[i] = hits[static_cast<std::size_t>(dealt[i] * static_cast<double>(hits.size()))];
+        const Hits from = side_by_side(at);
         std::array<DomePoint, kSide> dome;
-        for (std::uint32_t i = 0; i < kSide; ++i) {
-            const SamplePoint u = scramble.point(first + i);
-            at[i] = hits[static_cast<std::size_t>(u[2] * static_cast<double>(hits.size()))];
-            p[i] = {u[0], u[1]};
-            dome[i] = from_square(p[i]);
-        }
-        Hits from;
-        from.position = vectors([&](std::size_t i) { return at[i]->position; });
-        from.ng = vectors([&](std::size_t i) { return at[i]->ng; });
-        from.n = vectors([&](std::size_t i) { return at[i]->n; });
-        from.offset = lanewise<Reals>([&](std::size_t i) { return at[i]->offset; });
+        for (std::size_t i = 0; i < kSide; ++i) dome[i] = from_square({x[i], y[i]});
         const Vec3s w = direction_of(
             DomePointOf<Reals>{lanewise<Reals>([&](std::size_t i) { return dome[i].t; }),
                                lanewise<Reals>([&](std::size_t i) { return dome[i].azimuth; })},
             scene_.sky.dome().first_azimuth());
         const Reals cos_theta = dot(w, from.n);
-        const unsigned reflected = bits(cos_theta > Reals(0.0));
+        const unsigned reflected = bits(cos_theta > Reals(0.0));  // nothing is, from elsewhere
         const unsigned above = reflected & bits(dot(w, from.ng) > Reals(0.0));
         rays += static_cast<std::uint64_t>(std::popcount(above));
         const unsigned free = above & ~scene_.accel.occluded({from.leave(w), w}, above);
         const auto cosines = stored(cos_theta);
         for (std::size_t i = 0; i < kSide; ++i)
-            if (reflected >> i & 1) hidden.add(p[i], cosines[i], !(free >> i & 1));
+            if (reflected >> i & 1) hidden.add({x[i], y[i]}, cosines[i], !(free >> i & 1));
     }
     hidden_[index(square_x, square_y)] = hidden.share();
     if (hidden.share() == 0 || hidden.share() > kMostHidden) return rays;
