@@ -13,6 +13,16 @@ namespace {
 // Far above any radiance and far below where sums overflow. NaN compares as false.
 constexpr float kMost = 1e30f;
 
+// Of a mean off by `error` of S0. S1 and S2 are off by no more, nor by more than a hundred times that of
+// what they are together (`Sky table: between nodes T is the quadrature …`); S3 by a fifth, which is left out.
+std::array<double, 7> variances(const Stokes<double>& S, double error) {
+    const double linear = std::min(S.s0, 100 * std::hypot(S.s1, S.s2));
+    std::array<double, 7> variances{};
+    variances[0] = sqr(error * S.s0);
+    variances[3] = variances[5] = sqr(error * linear);
+    return variances;
+}
+
 double rounded(double x) {
     return static_cast<double>(static_cast<float>(x));
 }
@@ -126,6 +136,12 @@ bool PixelExposure::is_open(std::size_t replicate, std::size_t wavelength) const
     return open_[replicate * wavelengths_ + wavelength] > 0;
 }
 
+bool PixelExposure::is_open(std::size_t wavelength) const {
+    for (std::size_t r = 0; r < replicates_; ++r)
+        if (is_open(r, wavelength)) return true;
+    return false;
+}
+
 void PixelExposure::add_surface(int instance, double distance) {
     ++covered_;
     distance_ += distance;
@@ -160,12 +176,10 @@ Stokes<double> PixelExposure::replicate_mean(std::size_t replicate, std::size_t 
 double PixelExposure::noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
                                            double norm) const {
     constexpr double kErrors = 6;
-    for (std::size_t r = 0; r < replicates_; ++r)
-        if (is_open(r, wavelength)) return kErrors * std::sqrt(norm * (C[0] + C[3] + C[5] + C[6]));
-    return 0;
+    return is_open(wavelength) ? kErrors * std::sqrt(norm * (C[0] + C[3] + C[5] + C[6])) : 0;
 }
 
-void PixelExposure::develop(Film& film, std::size_t pixel) const {
+void PixelExposure::develop(Film& film, std::size_t pixel, double open_error) const {
     const double seen = static_cast<double>(taken_) * static_cast<double>(replicates_);
     film.instance[pixel] = leader_;
     film.coverage[pixel] = taken_ ? static_cast<float>(covered_ / seen) : 0;
@@ -189,8 +203,10 @@ void PixelExposure::develop(Film& film, std::size_t pixel) const {
             for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
         }
         const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
+        const std::array<double, 7> of_open =
+            is_open(w) ? variances(out.mean, open_error) : std::array<double, 7>{};
         for (std::size_t e = 0; e < C.size(); ++e)
-            out.covariance[e] = static_cast<float>(norm * C[e]);
+            out.covariance[e] = static_cast<float>(norm * C[e] + of_open[e]);
         out.mean = held_physical(out.mean, noise_of_differences(w, C, norm));
     }
 }

@@ -62,6 +62,19 @@ inline void store_floats(const Reals& x, float* to) {
 #endif
 }
 
+/// Of kSide floats.
+inline Reals load_floats(const float* from) {
+#if defined(__AVX512F__)
+    return _mm512_cvtps_pd(_mm256_loadu_ps(from));
+#elif defined(__AVX__)
+    return _mm256_cvtps_pd(_mm_loadu_ps(from));
+#else
+    alignas(64) std::array<double, kSide> to;
+    for (std::size_t i = 0; i < kSide; ++i) to[i] = static_cast<double>(from[i]);
+    return Reals::load_aligned(to.data());
+#endif
+}
+
 namespace detail {
 template <class T, class Read, std::size_t... I>
 T lanewise(const Read& read, std::index_sequence<I...>) {

@@ -90,6 +90,12 @@ Lanes sun_light(const SunDisc& sun, std::size_t p) {
     return lanewise<Lanes>([&](std::size_t i) { return radiance[i < kSide ? 0 : 1]; });
 }
 
+Light only(const Lanes::batch_bool_type& here, const Light& S) {
+    const Lanes none(0.f);
+    return {select(here, S.s0, none), select(here, S.s1, none), select(here, S.s2, none),
+            select(here, S.s3, none)};
+}
+
 Light dark() {
     return {Lanes(0.f), Lanes(0.f), Lanes(0.f), Lanes(0.f)};
 }
@@ -100,7 +106,6 @@ void PathTracer::shade(Paths& paths) const {
     for (std::size_t depth = paths.levels_.size(); depth > 0; --depth)
         shade_level(static_cast<int>(depth), paths);
     shade_views(paths);
-    shade_open(paths);
 }
 
 void PathTracer::shade_level(int depth, Paths& paths) const {
@@ -108,33 +113,64 @@ void PathTracer::shade_level(int depth, Paths& paths) const {
     const std::size_t wavelengths = scene_.wavelengths_nm.size(), rows = 4 * wavelengths;
     const std::size_t block = block_size(rows);
     level.light.resize(std::max(level.light.size(), level.vertices.size() * block));
+    const bool open = !level.vertices.empty() && depth == 1 && !paths.spots_.empty();
+    const std::size_t open_block = block_size(5 * wavelengths);
+    if (open)
+        paths.open_light_.resize(
+            std::max(paths.open_light_.size(), level.vertices.size() * open_block));
     float* const onward = paths.arriving(block);
     float* const sky = onward + block;
+    float* const behind = sky + block;
     for (std::size_t v = 0; v < level.vertices.size(); ++v) {
         const Vertices& at = level.vertices[v];
         if (at.sky_sample.lit) sky_light(scene_.sky, at.sky_sample_light, wavelengths, sky);
         if (at.onward.lit) sky_light(scene_.sky, at.onward_light, wavelengths, onward);
+        if (at.open && at.behind.lit) sky_light(scene_.sky, at.behind_light, wavelengths, behind);
         for (std::size_t i = 0; i < kSide; ++i) {
             if (at.next[i] < 0) continue;
             const float* next = paths.light_of(depth + 1, at.next[i], wavelengths);
             for (std::size_t j = 0; j < rows; ++j) onward[j * kSide + i] = next[j * kSide];
         }
+        float* const open_light = at.open ? &paths.open_light_[v * open_block] : nullptr;
         for_each_value(at.surface, [&](int s, unsigned lanes) {
             const Surface& surface = scene_.surfaces[static_cast<std::size_t>(s)];
             const Reflector by_onward(surface, at.onward), by_sky(surface, at.sky_sample),
-                by_sun(surface, at.sun_sample);
+                by_sun(surface, at.sun_sample), by_behind(surface, at.behind);
+            const auto sky_seen = lanes_mask_of(at.sky_sample_seen),
+                       onward_seen = lanes_mask_of(at.onward_seen);
             for (std::size_t p = 0; p < pairs(wavelengths); ++p) {
                 const Lanes sun = sun_light(scene_.sun, p);
-                Light S = dark();
+                Light S = dark(), C = dark();
+                Lanes reaches(0.f);
                 if (at.onward.lit & lanes) {
                     Light from = pair_of(onward, p, wavelengths);
-                    if (at.meets_sun) from.s0 = from.s0 + at.onward_sun * sun;
                     S = by_onward(p, from);
+                    C = only(onward_seen, S);
+                    reaches = C.s0;
+                    if (at.meets_sun) {
+                        from.s0 = from.s0 + at.onward_sun * sun;
+                        S = by_onward(p, from);
+                    }
                 }
-                if (at.sky_sample.lit & lanes) S = S + by_sky(p, pair_of(sky, p, wavelengths));
+                if (at.sky_sample.lit & lanes) {
+                    const Light by = by_sky(p, pair_of(sky, p, wavelengths));
+                    if (at.open) {
+                        const Light seen = only(sky_seen, by);
+                        C = C + by;
+                        reaches = reaches + seen.s0;
+                        S = S + seen;
+                    } else {
+                        S = S + by;
+                    }
+                }
                 if (at.sun_sample.lit & lanes)
                     S = S + by_sun(p, {sun, Lanes(0.f), Lanes(0.f), Lanes(0.f)});
                 store_pair(S, lanes, p, wavelengths, &level.light[v * block]);
+                if (!at.open) continue;
+                if (at.behind.lit & lanes) C = C + by_behind(p, pair_of(behind, p, wavelengths));
+                store_pair(C, lanes, p, wavelengths, open_light);
+                store_some(reaches, lanes_mask_of(lanes), 2 * p + 1 < wavelengths,
+                           open_light + (4 * wavelengths + 2 * p) * kSide);
             }
         });
     }
@@ -157,43 +193,6 @@ void PathTracer::shade_views(Paths& paths) const {
             if (at.sun) S.s0 = S.s0 + select(sun, sun_light(scene_.sun, p), Lanes(0.f));
             store_pair(S, kAllLanes, p, wavelengths, light);
         }
-    }
-}
-
-void PathTracer::shade_open(Paths& paths) const {
-    const std::size_t wavelengths = scene_.wavelengths_nm.size(),
-                      block = block_size(5 * wavelengths);
-    paths.open_light_.resize(std::max(paths.open_light_.size(), paths.open_.size() * block));
-    float* const sky = paths.arriving(block);
-    float* const onward = sky + block;
-    for (std::size_t v = 0; v < paths.open_.size(); ++v) {
-        const OpenSky& at = paths.open_[v];
-        if (!at.used) continue;
-        float* const light = &paths.open_light_[v * block];
-        if (!(at.sky_sample.lit | at.onward.lit)) {
-            std::fill_n(light, block, 0.f);
-            continue;
-        }
-        sky_light(scene_.sky, at.sky_sample_light, wavelengths, sky);
-        sky_light(scene_.sky, at.onward_light, wavelengths, onward);
-        const auto sky_seen = lanes_mask_of(at.sky_sample_seen),
-                   onward_seen = lanes_mask_of(at.onward_seen);
-        for_each_value(at.surface, [&](int s, unsigned lanes) {
-            const Surface& surface = scene_.surfaces[static_cast<std::size_t>(s)];
-            const Reflector by_sky(surface, at.sky_sample), by_onward(surface, at.onward);
-            const auto here = lanes_mask_of(lanes);
-            for (std::size_t p = 0; p < pairs(wavelengths); ++p) {
-                const Light a =
-                    at.sky_sample.lit ? by_sky(p, pair_of(sky, p, wavelengths)) : dark();
-                const Light b =
-                    at.onward.lit ? by_onward(p, pair_of(onward, p, wavelengths)) : dark();
-                store_pair(a + b, lanes, p, wavelengths, light);
-                const Lanes reaches =
-                    select(sky_seen, a.s0, Lanes(0.f)) + select(onward_seen, b.s0, Lanes(0.f));
-                store_some(reaches, here, 2 * p + 1 < wavelengths,
-                           light + (4 * wavelengths + 2 * p) * kSide);
-            }
-        });
     }
 }
 

@@ -66,7 +66,7 @@ struct PathTracer::Meeting {
     Reals sky_by_surface, sun_by_surface, onward_by_surface;
     unsigned onward_drawn;  // lanes where it leads above the surface
     SkyLights onward_lights;
-    unsigned sky_seen, onward_seen;
+    bool open = false;  // is it wanted, too, what an open sky would bring?
 };
 
 PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
@@ -101,10 +101,11 @@ void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint3
             Meeting at = meet(depth, i, paths);
             Vertices& vertices = level.vertices.emplace_back();
             vertices.surface = at.surface;
+            if (depth == 1 && open.table) find_spots(at, *open.table, pixel_x, pixel_y, paths);
+            at.open = vertices.open = depth == 1 && open.table && paths.knows_sky(i / kSide);
             draw(depth, at, paths, depth == 1 && open.toward ? *open.toward : scene_.sky.density());
             sample_lights(at, paths, vertices);
             go_on(depth, at, paths, vertices);
-            if (depth == 1 && open.table) find_open(at, open, pixel_x, pixel_y, paths);
         }
     }
 }
@@ -122,6 +123,9 @@ void PathTracer::look_through(int pixel_x, int pixel_y, Paths& paths) const {
         rays.origin = rays.origin - Vec3s(scene_.accel.center());
         const auto skipped = stored(approach(rays, scene_.accel.radius()));
         const BeamFrames frame = image_frame(camera_, -rays.direction);
+        const auto u0 = stored(u[0]), u1 = stored(u[1]);
+        for (std::size_t i = 0; i < used; ++i)
+            paths.place_[first + i] = {pixel_x + u0[i], pixel_y + u1[i]};
 
         paths.count(rays, lanes, RayKind::kFirstHit);
         std::array<Met, kSide> met;
@@ -247,13 +251,16 @@ unsigned PathTracer::sees(const Meeting& at, const Vec3s& w, unsigned wanted, Co
 // Light from the directions drawn by the sky's brightness and from the sun.
 void PathTracer::sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const {
     const Reals zero(0.0);
-    at.sky_seen = sees(at, at.sky.w, bits(at.sky.lights.pdf > zero), Company::kAlone, paths);
+    const unsigned drawn = bits(at.sky.lights.pdf > zero);
+    vertices.sky_sample_seen = sees(at, at.sky.w, drawn, Company::kAlone, paths);
     vertices.sky_sample_light = at.sky.lights.at;
-    if (at.sky_seen)
+    const unsigned lit =
+        at.open ? at.live & drawn & bits(dot(at.sky.w, at.hit.n) > zero) : vertices.sky_sample_seen;
+    if (lit)
         vertices.sky_sample =
             directions(at, at.sky.w,
                        light_weight(at.sky.lights.pdf, at.sky_by_surface, Lighting::kLightSamples),
-                       at.sky_seen)
+                       lit)
                 .bounces;
     if (!scene_.sun.present()) return;
     const unsigned seen = sees(at, at.sun, bits(at.sun.y >= zero), Company::kClose, paths);
@@ -278,16 +285,17 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     std::array<Met, kSide> met;
     const unsigned blocked = last && free ? scene_.accel.occluded(rays, free) : 0;
     const unsigned hit = last || !free ? 0 : scene_.accel.intersect(rays, free, met);
-    at.onward_seen = free & ~hit & ~blocked;
+    const unsigned seen = free & ~hit & ~blocked;
 
+    vertices.onward_seen = seen;
     vertices.onward_light = at.onward_lights.at;
     for (std::size_t i = 0; i < kSide; ++i)
-        if (!(at.onward_seen >> i & 1)) vertices.onward_light[i] = {};
+        if (!(seen >> i & 1)) vertices.onward_light[i] = {};
     const Reals weight =
         light_weight(at.onward_lights.pdf, at.onward_by_surface, Lighting::kSurfaceSamples);
-    const Mask to_surface = mask_of(hit), to_sky = mask_of(at.onward_seen);
-    const Directions onward = directions(
-        at, wi, select(to_surface, inverse(at.onward_by_surface), weight), at.onward_seen | hit);
+    const Mask to_surface = mask_of(hit), to_sky = mask_of(seen);
+    const Directions onward =
+        directions(at, wi, select(to_surface, inverse(at.onward_by_surface), weight), seen | hit);
     vertices.onward = onward.bounces;
     const auto in_facet_frame = lanes_mask_of(hit);  // as the next vertex's light is
     vertices.onward.in.cos2 = select(in_facet_frame, Lanes(1.f), vertices.onward.in.cos2);
@@ -300,80 +308,30 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
             light_weight(Reals(scene_.sun.pdf()), at.onward_by_surface, Lighting::kSurfaceSamples) /
                 select(to_sun, weight, one),
             zero));
+    if (at.open) {
+        const unsigned behind = at.onward_drawn & ~seen & bits(wi.y >= zero);
+        if (behind) vertices.behind = directions(at, wi, weight, behind).bounces;
+        vertices.behind_light = at.onward_lights.at;
+    }
     vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
 }
 
-// What nodes near the first vertices would reflect of the same directions, or of those that the same
-// numbers draw there, were nothing in the way.
-void PathTracer::find_open(const Meeting& at, const OpenView& view, int pixel_x, int pixel_y,
-                           Paths& paths) const {
-    constexpr double kFarthest = 3;  // between the foreshortenings, beyond which lobes differ, too
-    const auto n = stored(at.hit.n), wo = stored(at.wo), toward = stored(at.toward.x);
-    std::array<NodeShares, kSide> shares;
-    for (std::size_t i = 0; i < kSide; ++i)
+// Where first vertices lie in the table.
+void PathTracer::find_spots(const Meeting& at, const SkyTable& table, int pixel_x, int pixel_y,
+                            Paths& paths) const {
+    const auto n = stored(at.hit.n), wo = stored(at.wo);
+    std::array<SkySpot, kSide>& spots = paths.spots_.emplace_back();
+    for (std::size_t i = 0; i < kSide; ++i) {
+        const auto& place = paths.place_[at.path[i]];
         if (at.live >> i & 1)
-            shares[i] = view.table->find(pixel_x, pixel_y, at.instance[i], n[i], view.linear);
-    const std::size_t first = paths.open_.size();
-    paths.open_.resize(first + kShares);
-    Meeting node = at;
-    for (std::size_t share = 0; share < kShares; ++share) {
-        OpenSky& open = paths.open_[first + share];
-        std::array<Vec3, kSide> node_n = n, node_wo = wo, node_toward = toward;
-        std::array<double, kSide> scale;
-        unsigned sharp = 0;
-        node.live = 0;
-        for (std::size_t i = 0; i < kSide; ++i) {
-            open.node[i] = -1;
-            scale[i] = 1;
-            const int index = shares[i].node[share];
-            if (index < 0) continue;
-            const SkyNode& found = view.table->node(index);
-            const double ratio = found.cos_o / dot(n[i], wo[i]);
-            if (ratio > kFarthest || ratio * kFarthest < 1) continue;
-            open.node[i] = index;
-            scale[i] = ratio * shares[i].weight[share];
-            node_n[i] = found.n, node_wo[i] = found.wo, node_toward[i] = found.toward.x;
-            node.live |= 1u << i;
-            // Sharp lobes turn with their node. Over what wider ones turn by, the sky's light differs
-            // by more than f does; they keep the directions themselves.
-            sharp |= (scene_.surface_of(at.instance[i]).sharp() ? 1u : 0u) << i;
-        }
-        open.used = node.live;
-        if (!open.used) continue;
-        const auto register_of = [](const std::array<Vec3, kSide>& v) {
-            return vectors([&](std::size_t i) { return v[i]; });
-        };
-        node.hit.n = register_of(node_n);
-        node.wo = register_of(node_wo);
-        node.toward = {node.wo, register_of(node_toward)};
-        if (sharp) draw_by_surface(node, sharp);
-        open.surface = at.surface;
-        open.scale = lanewise<Reals>([&](std::size_t i) { return scale[i]; });
-        open.sky_sample_seen = at.sky_seen;
-        open.onward_seen = at.onward_seen;
-        reflect_open(node, open);
+            spots[i] =
+                table.find(pixel_x, pixel_y, place[0], place[1], at.instance[i], n[i], wo[i]);
     }
 }
 
-// No light from below a node's plane or the horizon.
-void PathTracer::reflect_open(const Meeting& at, OpenSky& open) const {
-    const Reals zero(0.0);
-    const auto reflected = [&](const Vec3s& w, const SkyLights& lights, const Reals& by_surface,
-                               Lighting drawn_by, unsigned drawn) {
-        const unsigned lit = at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero));
-        const Reals weight = open.scale * light_weight(lights.pdf, by_surface, drawn_by);
-        return directions(at, w, weight, lit).bounces;
-    };
-    open.sky_sample_light = at.sky.lights.at;
-    open.sky_sample = reflected(at.sky.w, at.sky.lights, at.sky_by_surface, Lighting::kLightSamples,
-                                bits(at.sky.lights.pdf > zero));
-    open.onward_light = at.onward_lights.at;
-    open.onward = reflected(at.onward, at.onward_lights, at.onward_by_surface,
-                            Lighting::kSurfaceSamples, at.onward_drawn);
-}
-
 void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& paths) const {
-    paths.start(sample, 1, 0);
+    const Reals zero(0.0);
+    paths.start(sample, 1, 1);
     for (std::size_t first = 0; first < paths.size(); first += kSide) {
         const std::size_t used = std::min(kSide, paths.size() - first);
         Meeting at;
@@ -387,23 +345,24 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};
         draw(1, at, paths, scene_.sky.density());
-        const std::size_t place = paths.open_.size();
-        paths.open_.resize(place + kShares);
-        for (std::size_t share = 1; share < kShares; ++share) {
-            paths.open_[place + share].node.fill(-1);
-            paths.open_[place + share].used = false;
-        }
-        OpenSky& open = paths.open_[place];
-        open.node.fill(0);
-        open.used = true;
-        open.surface = at.surface;
-        open.scale = Reals(1.0);
-        open.sky_sample_seen = open.onward_seen = 0;
-        reflect_open(at, open);
+        Vertices& vertices = paths.level(1).vertices.emplace_back();
+        vertices.surface = at.surface;
+        vertices.next.fill(-1);
+        const auto reflected = [&](const Vec3s& w, const SkyLights& lights, const Reals& by_surface,
+                                   unsigned drawn) {
+            const unsigned lit = at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero));
+            return directions(at, w, inverse(lights.pdf + by_surface), lit).bounces;
+        };
+        vertices.onward_light = at.onward_lights.at;
+        vertices.onward =
+            reflected(at.onward, at.onward_lights, at.onward_by_surface, at.onward_drawn);
+        vertices.sky_sample_light = at.sky.lights.at;
+        vertices.sky_sample =
+            reflected(at.sky.w, at.sky.lights, at.sky_by_surface, bits(at.sky.lights.pdf > zero));
         for (std::size_t i = 0; i < used; ++i)
             paths.first_vertex_[first + i] = static_cast<int>(first + i);
     }
-    shade_open(paths);
+    shade_level(1, paths);
 }
 
 }  // namespace malus

@@ -42,23 +42,17 @@ struct Vertices {
     std::array<int, kSide> surface;  ///< index into the scene's
     Bounces sky_sample;              ///< directions drawn by the sky's brightness
     std::array<SkyLookup, kSide> sky_sample_light;
-    Bounces sun_sample;                         ///< directions to the sun's disc
-    Bounces onward;                             ///< directions drawn by the surfaces' lobes
+    unsigned sky_sample_seen;  ///< lanes whose light arrives; of what an open sky would bring, all
+    Bounces sun_sample;        ///< directions to the sun's disc
+    Bounces onward;            ///< directions drawn by the surfaces' lobes
     std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
+    unsigned onward_seen;                       ///< lanes where they do
     Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight
     unsigned meets_sun;           ///< lanes with such a weight
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
-};
-
-/// What first vertices would reflect of an open sky at nodes of the sky table, one a vertex.
-struct OpenSky {
-    std::array<int, kSide> node;     ///< −1: none
-    bool used;                       ///< is there any?
-    std::array<int, kSide> surface;  ///< index into the scene's
-    Reals scale;  ///< weight times g of sky_table.h, in the bounces' weights, too
-    Bounces sky_sample, onward;
-    std::array<SkyLookup, kSide> sky_sample_light, onward_light;
-    unsigned sky_sample_seen, onward_seen;  ///< lanes whose light reaches the vertex
+    bool open;                    ///< is it wanted, too, what an open sky would bring? Then:
+    Bounces behind;               ///< onward, from the sky behind what is in its way
+    std::array<SkyLookup, kSide> behind_light;
 };
 
 /// What the detector sees along rays, before any surface.
@@ -98,17 +92,13 @@ class Paths {
     /// [S0..S3][wavelength][replicate].
     void light(std::size_t sample, std::size_t wavelengths, float* S) const;
 
-    /// Does path i have an open sky beside its own light?
-    bool has_open(std::size_t i) const;
-    /// What one of the nodes brings to path i's open sky: its weight times g of sky_table.h; that times C,
-    /// [S0..S3][wavelength], and S0 of what of it reaches the vertex, [wavelength], all kSide apart.
+    /// Of path i, where an open sky is known: where in the table, and what its directions would bring of
+    /// that sky, [S0..S3][wavelength], and S0 of what of it reaches the vertex, [wavelength], kSide apart.
     struct Open {
-        std::size_t node;
-        double scale;
+        const SkySpot* spot;  ///< null: none is known
         const float* light;
     };
-    /// Of a path that met a surface; nothing where there is no such node.
-    std::optional<Open> open(std::size_t i, std::size_t share, std::size_t wavelengths) const;
+    Open open(std::size_t i, std::size_t wavelengths) const;
 
     std::uint64_t rays = 0;                 ///< counted since the owner last set it to 0
     std::vector<TracedRay>* log = nullptr;  ///< where to keep each ray, for benchmarks
@@ -141,7 +131,8 @@ class Paths {
     // [S0..S3][wavelength] of a vertex of a depth, kSide apart.
     const float* light_of(int depth, int place, std::size_t wavelengths) const;
     bool in_order(std::size_t first) const;
-    // Room for two blocks of light on its way to vertices.
+    bool knows_sky(std::size_t vertices) const;
+    // Room for three blocks of light on its way to vertices.
     float* arriving(std::size_t block);
 
     std::vector<Sampler> samplers_;
@@ -151,11 +142,12 @@ class Paths {
     std::size_t size_ = 0;
     std::vector<int> first_vertex_, first_instance_;  // by path, −1: none
     std::vector<double> first_distance_;
+    std::vector<std::array<double, 2>> place_;  // by path: in the picture
     std::vector<Views> views_;
-    std::vector<float> view_light_;  // as a level's, where the sky is seen
-    std::vector<Level> levels_;      // [depth − 1]
-    std::vector<OpenSky> open_;      // [first vertices][share]; empty without a table
-    std::vector<float> open_light_;  // [of open_][S0..S3, seen][wavelength][lane], padded
+    std::vector<float> view_light_;                  // as a level's, where the sky is seen
+    std::vector<Level> levels_;                      // [depth − 1]
+    std::vector<std::array<SkySpot, kSide>> spots_;  // [first vertices]; empty without a table
+    std::vector<float> open_light_;  // [first vertices][S0..S3, seen][wavelength][lane], padded
     std::vector<float> arriving_;
 };
 
@@ -163,7 +155,6 @@ class Paths {
 struct OpenView {
     const SkyTable* table = nullptr;     ///< null: nothing is wanted of it
     const SkyDensity* toward = nullptr;  ///< may draw the first vertices' light instead of the sky
-    bool linear = false;                 ///< do several nodes stand for the pixel?
 };
 
 class PathTracer {
@@ -179,7 +170,7 @@ class PathTracer {
     /// The light of traced paths.
     void shade(Paths& paths) const;
 
-    /// One sample of each replicate of a node's open sky, as open_light() of paths; no ray.
+    /// One sample of each replicate of a node's open sky, as light() of paths; no ray.
     void sample_open(const SkyNode& node, std::uint32_t sample, Paths& paths) const;
 
     /// The surface in the middle of a pixel.
@@ -196,14 +187,12 @@ class PathTracer {
     void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;
     unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,
                   Paths& paths) const;
-    void reflect_open(const Meeting& at, OpenSky& open) const;
-    void find_open(const Meeting& at, const OpenView& view, int pixel_x, int pixel_y,
-                   Paths& paths) const;
+    void find_spots(const Meeting& at, const SkyTable& table, int pixel_x, int pixel_y,
+                    Paths& paths) const;
     Reals light_weight(const Reals& by_light, const Reals& by_surface, Lighting drawn_by) const;
 
     void shade_views(Paths& paths) const;
     void shade_level(int depth, Paths& paths) const;
-    void shade_open(Paths& paths) const;
     std::size_t pair_count() const { return pairs(scene_.wavelengths_nm.size()); }
 
     const PreparedScene::Impl& scene_;

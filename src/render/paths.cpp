@@ -19,7 +19,8 @@ void Paths::start(std::uint32_t first, std::uint32_t count, std::size_t depths) 
     first_instance_.assign(size_, -1);
     first_distance_.assign(size_, 0);
     views_.clear();
-    open_.clear();
+    spots_.clear();
+    place_.resize(size_);
     levels_.resize(depths);
     for (Level& level : levels_) level.arrivals.clear(), level.vertices.clear();
 }
@@ -105,24 +106,22 @@ void Paths::light(std::size_t sample, std::size_t wavelengths, float* S) const {
 }
 
 float* Paths::arriving(std::size_t block) {
-    arriving_.resize(std::max(arriving_.size(), 2 * block));
+    arriving_.resize(std::max(arriving_.size(), 3 * block));
     return arriving_.data();
 }
 
-bool Paths::has_open(std::size_t i) const {
-    if (open_.empty() || first_vertex_[i] < 0) return false;
-    const auto place = static_cast<std::size_t>(first_vertex_[i]);
-    return open_[place / kSide * kShares].node[place % kSide] >= 0;
+// Is the open sky known of one of these first vertices?
+bool Paths::knows_sky(std::size_t vertices) const {
+    return std::any_of(spots_[vertices].begin(), spots_[vertices].end(),
+                       [](const SkySpot& spot) { return spot.cell >= 0; });
 }
 
-std::optional<Paths::Open> Paths::open(std::size_t i, std::size_t share,
-                                       std::size_t wavelengths) const {
-    const auto place = static_cast<std::size_t>(first_vertex_[i]), lane_of = place % kSide,
-               at = place / kSide * kShares + share;
-    const OpenSky& open = open_[at];
-    if (open.node[lane_of] < 0) return {};
-    return Open{static_cast<std::size_t>(open.node[lane_of]), lane(open.scale, lane_of),
-                &open_light_[at * block_size(5 * wavelengths) + lane_of]};
+Paths::Open Paths::open(std::size_t i, std::size_t wavelengths) const {
+    if (spots_.empty() || first_vertex_[i] < 0) return {};
+    const auto place = static_cast<std::size_t>(first_vertex_[i]);
+    const SkySpot& spot = spots_[place / kSide][place % kSide];
+    if (spot.cell < 0) return {};
+    return {&spot, &open_light_[place / kSide * block_size(5 * wavelengths) + place % kSide]};
 }
 
 }  // namespace malus

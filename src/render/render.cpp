@@ -20,14 +20,13 @@
 #include "render/occluders.h"
 #include "render/path_tracer.h"
 #include "render/sampling_plan.h"
+#include "render/shared_errors.h"
 
 namespace malus {
 namespace {
 
 // A smaller share of the open sky would take more time to account for than it saves.
 constexpr double kLeastOpen = 0.5;
-// Where more of the sky is hidden, what nodes differ by is not what noise comes from.
-constexpr double kMostHidden = 0.02;
 // Of the light that a pixel's first samples should have met, to believe what they say of its share.
 constexpr double kLeastEvidence = 0.25;
 
@@ -47,12 +46,25 @@ class Clock {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// A cell of the sky table as a pixel sees it.
+struct SeenCell {
+    int cell;
+    SkyTable::Corners corners;
+    std::vector<float> space;
+};
+
 // Work of one thread; the counts are merged when all is done.
 struct Worker {
     Paths paths;
     PixelExposure pixel;
     std::vector<Sampler> samplers;  // one a replicate
-    std::vector<float> S, open;     // of a sample of each replicate; of g (T − C)
+    std::vector<float> S, open;     // of a sample of each replicate; of T, then T − C
+    std::vector<SeenCell> cells;    // of the sky table, at the pixel
+    std::size_t cells_used = 0;
+    std::vector<const SkySpot*> spots;     // of a sample
+    std::vector<float> weights;            // of a cell's nodes, [node][replicate]
+    std::vector<std::size_t> open_pixels;  // of a tile: those that use the sky table
+    std::vector<SharedError> shared;
     std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
@@ -78,8 +90,8 @@ class Job {
     }
 
     void run() {
-        develop_begun();
         if (table_) look_around();
+        develop_begun();
         while (true) {
             if (const auto why = plan_.plan_round(exposure())) return end(*why);
             const std::vector<std::size_t> tiles = plan_.round(exposure());
@@ -105,14 +117,43 @@ class Job {
 
     // What was exposed before this call.
     void develop_begun() {
-        tbb::parallel_for(std::size_t{0}, plan_.tile_count(), [this](std::size_t t) {
-            PixelExposure& pixel = workers_.local().pixel;
-            for_each_pixel(t, [&](int, int, std::size_t index) {
-                pixel.load(exposure(), index);
-                pixel.develop(result_.film, index);
-                plan_.measure(result_.film, index);
-            });
+        tbb::parallel_for(std::size_t{0}, plan_.tile_count(),
+                          [this](std::size_t t) { develop(t, workers_.local()); });
+    }
+
+    void develop(std::size_t tile, Worker& worker) {
+        PixelExposure& pixel = worker.pixel;
+        worker.open_pixels.clear();
+        for_each_pixel(tile, [&](int x, int y, std::size_t index) {
+            pixel.load(exposure(), index);
+            pixel.develop(result_.film, index, table_ ? table_->error(x, y) : 0);
+            if (table_ && pixel.is_open() && result_.film.samples[index] > 0)
+                worker.open_pixels.push_back(index);
         });
+        share_errors_of(worker.open_pixels, worker);
+        for_each_pixel(tile,
+                       [&](int, int, std::size_t index) { plan_.measure(result_.film, index); });
+    }
+
+    // Of pixels that use the sky table, surface by surface.
+    void share_errors_of(std::span<std::size_t> pixels, Worker& worker) {
+        Film& film = result_.film;
+        const std::size_t W = film.wavelengths_nm.size();
+        while (!pixels.empty()) {
+            const std::int32_t instance = film.instance[pixels.front()];
+            const auto rest = std::partition(pixels.begin(), pixels.end(), [&](std::size_t pixel) {
+                return film.instance[pixel] == instance;
+            });
+            const auto same = static_cast<std::size_t>(rest - pixels.begin());
+            for (std::size_t w = 0; w < W; ++w) {
+                worker.shared.clear();
+                for (std::size_t pixel : pixels.first(same))
+                    worker.shared.push_back(
+                        {&film.stokes[pixel * W + w], static_cast<double>(film.samples[pixel])});
+                share_errors(worker.shared);
+            }
+            pixels = pixels.subspan(same);
+        }
     }
 
     // Which geometries the picture shows, and what hides the sky from them.
@@ -155,11 +196,9 @@ class Job {
             begin(exposure().pixel_count() + node, worker);
             while (table_->samples(node) < goals[node]) {
                 if (table_->samples(node) % 256 == 0 && (stop_wanted() || time_is_up())) return;
-                tracer_.sample_open(table_->node(static_cast<int>(node)), table_->samples(node),
-                                    worker.paths);
-                for (std::uint32_t r = 0; r < exposure().replicates; ++r)
-                    table_->add(node, r, worker.paths.open(r, 0, wavelengths)->light, kSide);
-                table_->end_sample(node);
+                tracer_.sample_open(table_->node(node), table_->samples(node), worker.paths);
+                worker.paths.light(0, wavelengths, worker.S.data());
+                table_->add(node, worker.S.data());
             }
             table_->develop(node);
         });
@@ -175,6 +214,7 @@ class Job {
             for_each_pixel(tiles[i], [&](int x, int y, std::size_t index) {
                 expose_pixel(x, y, index, worker);
             });
+            develop(tiles[i], worker);
             tell_progress(worker.samples - before, total);
         });
         samples_ += static_cast<double>(round_samples_);
@@ -187,10 +227,11 @@ class Job {
         PixelExposure& pixel = worker.pixel;
         pixel.load(exposure(), index);
         begin(index, worker);
+        worker.cells_used = 0;
         while (pixel.taken() < wanted) {
             const std::uint32_t count = samples_together(pixel.taken(), wanted);
             trace(x, y, count, worker);
-            if (pixel.taken() < kDeciding) find_open(worker, toward_occluders(x, y) != nullptr);
+            if (pixel.taken() < kDeciding) find_open(x, y, worker);
             for (std::uint32_t s = 0; s < count; ++s) {
                 add(x, y, s, worker);
                 pixel.end_sample();
@@ -199,8 +240,6 @@ class Job {
             if (keeps && (stop_wanted() || time_is_up())) break;
         }
         pixel.store(exposure(), index);
-        pixel.develop(result_.film, index);
-        plan_.measure(result_.film, index);
     }
 
     // Numbers for a pixel, or what else has some of its own.
@@ -226,9 +265,7 @@ class Job {
         worker.samples += worker.paths.size();
     }
 
-    OpenView open_view(int x, int y) const {
-        return {&*table_, toward_occluders(x, y), occluders_->hidden_share(x, y) <= kMostHidden};
-    }
+    OpenView open_view(int x, int y) const { return {&*table_, toward_occluders(x, y)}; }
 
     // What draws directions toward what hides the sky, where light of the open sky is known; or null.
     const SkyDensity* toward_occluders(int x, int y) const {
@@ -239,19 +276,20 @@ class Job {
     // samples; none where these met too little of that light to tell, until the second ones are asked.
     // Where directions lead to what hides the sky, all of a C that reaches it to half: X and C then
     // differ by what is hidden, and C alone varies more.
-    void find_open(Worker& worker, bool hidden_known) {
+    void find_open(int x, int y, Worker& worker) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
+        const bool hidden_known = toward_occluders(x, y) != nullptr;
+        if (!find_open_light(x, y, 0, worker)) return;
+        const float* T = worker.open.data();
         struct Light {
             double whole = 0, seen = 0;
         };
         std::vector<Light> light(R * W);
         for (std::size_t r = 0; r < R; ++r)
-            for_each_open(worker.paths, r, [&](const Paths::Open& open) {
-                for (std::size_t w = 0; w < W; ++w) {
-                    light[r * W + w].whole += static_cast<double>(open.light[w * kSide]);
-                    light[r * W + w].seen += static_cast<double>(open.light[(4 * W + w) * kSide]);
-                }
-            });
+            if (const Paths::Open open = worker.paths.open(r, W); open.spot)
+                for (std::size_t w = 0; w < W; ++w)
+                    light[r * W + w] = {static_cast<double>(open.light[w * kSide]),
+                                        static_cast<double>(open.light[(4 * W + w) * kSide])};
         for (std::uint32_t r = 0; r < R; ++r)
             for (std::size_t w = 0; w < W; ++w) {
                 if (worker.pixel.is_open(r, w)) continue;
@@ -260,10 +298,7 @@ class Job {
                     if (other == r) continue;
                     whole += light[other * W + w].whole;
                     seen += light[other * W + w].seen;
-                    for_each_open(worker.paths, other, [&](const Paths::Open& open) {
-                        expected +=
-                            open.scale * static_cast<double>(table_->mean(open.node)[w * R + r]);
-                    });
+                    expected += static_cast<double>(T[w * R + other]);
                 }
                 const bool known = whole > kLeastEvidence * expected && expected > 0;
                 const double share = known ? std::clamp(seen / whole, 0.0, 1.0) : 0;
@@ -276,7 +311,8 @@ class Job {
         const Paths& paths = worker.paths;
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         paths.light(sample, W, worker.S.data());
-        const bool open = find_difference(sample, worker);
+        const bool open = worker.pixel.is_open() && find_open_light(x, y, sample, worker);
+        if (open) subtract_open(sample, worker);
         if (!worker.pixel.add_all(worker.S.data(), open ? worker.open.data() : nullptr))
             for (std::size_t r = 0; r < R; ++r) add_one(x, y, r, open, worker);
         for (std::size_t i = sample * R; i < (sample + 1) * R; ++i)
@@ -286,32 +322,69 @@ class Job {
                 worker.pixel.add_surface(paths.instance(i), paths.distance(i));
     }
 
-    // g (T − C) of the paths of a sample; false where none has an open sky.
-    bool find_difference(std::size_t sample, Worker& worker) const {
-        const Paths& paths = worker.paths;
-        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = paths.replicates();
-        bool open = false;
-        for (std::size_t r = 0; r < R; ++r) open |= paths.has_open(sample * R + r);
-        if (!open) return false;
+    // T of the paths of a sample, 0 where it is not known; false where it is of none.
+    bool find_open_light(int x, int y, std::size_t sample, Worker& worker) const {
+        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = worker.paths.replicates();
+        std::vector<const SkySpot*>& spots = worker.spots;
+        spots.resize(R);
+        bool any = false;
+        for (std::size_t r = 0; r < R; ++r) {
+            spots[r] = worker.paths.open(sample * R + r, W).spot;
+            any |= spots[r] != nullptr;
+        }
+        if (!any) return false;
         std::fill_n(worker.open.begin(), 4 * W * R, 0.f);
-        for (std::size_t r = 0; r < R; ++r)
-            for_each_open(paths, sample * R + r, [&](const Paths::Open& node) {
-                const float* T = table_->mean(node.node) + r;
-                const auto g = static_cast<float>(node.scale);
-                float* D = worker.open.data() + r;
-                for (std::size_t j = 0; j < 4 * W; ++j)
-                    D[j * R] += g * T[j * R] - node.light[j * kSide];
-            });
+        for (std::size_t r = 0; r < R; ++r) {
+            const auto same = [&](const SkySpot* s) { return s && s->cell == spots[r]->cell; };
+            if (!spots[r] || std::any_of(spots.begin(), spots.begin() + std::ptrdiff_t(r), same))
+                continue;
+            worker.weights.assign(kCorners * R, 0.f);
+            for (std::size_t i = r; i < R; ++i)
+                if (same(spots[i]))
+                    for (std::size_t k = 0; k < kCorners; ++k)
+                        worker.weights[k * R + i] = spots[i]->weight[k];
+            add_weighted(seen_cell(x, y, spots[r]->cell, worker), worker.weights.data(), 4 * W, R,
+                         worker.open.data());
+        }
         return true;
     }
 
-    // The nodes of a path's open sky.
-    template <class Visit>
-    void for_each_open(const Paths& paths, std::size_t path, const Visit& visit) const {
-        if (!paths.has_open(path)) return;
-        for (std::size_t share = 0; share < kShares; ++share)
-            if (const auto open = paths.open(path, share, result_.exposure.wavelengths_nm.size()))
-                visit(*open);
+    // to[j][r] += Σ weights[k][r] corners[k][j][r]
+    static void add_weighted(const SkyTable::Corners& corners, const float* weights,
+                             std::size_t rows, std::size_t R, float* to) {
+        std::size_t r = 0;
+        for (; r + kSide <= R; r += kSide) {
+            std::array<Reals, kCorners> weight;
+            for (std::size_t k = 0; k < kCorners; ++k) weight[k] = load_floats(&weights[k * R + r]);
+            for (std::size_t i = r; i < rows * R; i += R) {
+                Reals sum = load_floats(to + i);
+                for (std::size_t k = 0; k < kCorners; ++k)
+                    sum = sum + weight[k] * load_floats(corners[k] + i);
+                store_floats(sum, to + i);
+            }
+        }
+        for (; r < R; ++r)
+            for (std::size_t i = r; i < rows * R; i += R)
+                for (std::size_t k = 0; k < kCorners; ++k)
+                    to[i] += weights[k * R + r] * corners[k][i];
+    }
+
+    const SkyTable::Corners& seen_cell(int x, int y, int cell, Worker& worker) const {
+        for (std::size_t i = 0; i < worker.cells_used; ++i)
+            if (worker.cells[i].cell == cell) return worker.cells[i].corners;
+        if (worker.cells.size() == worker.cells_used) worker.cells.emplace_back();
+        SeenCell& seen = worker.cells[worker.cells_used++];
+        seen.cell = cell;
+        seen.corners = table_->corners(cell, x, y, seen.space);
+        return seen.corners;
+    }
+
+    void subtract_open(std::size_t sample, Worker& worker) const {
+        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = worker.paths.replicates();
+        for (std::size_t r = 0; r < R; ++r)
+            if (const Paths::Open open = worker.paths.open(sample * R + r, W); open.spot)
+                for (std::size_t j = 0; j < 4 * W; ++j)
+                    worker.open[j * R + r] -= open.light[j * kSide];
     }
 
     // Of a sample of which some are refused, one.

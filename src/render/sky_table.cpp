@@ -4,189 +4,158 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
+#include <unordered_set>
 
 namespace malus {
 namespace {
 
-constexpr double kWidth = 0.07;       // of a cell of normals, in the paint's least RMS slope
-constexpr double kNarrow = 4;         // nor less than that many pixels' angles: T is shared
-constexpr double kNarrowest = 0.003;  // rad; sharper paints have no nodes
-constexpr double kWidest = 0.15;      // rad
-// Of a cell in the picture, in that width. A turn of the view moves the mirror direction as half that
-// turn of the normal does; wide lobes keep their directions (path_tracer.cpp) and want nearer nodes.
-constexpr double kSharpAcross = 2, kWideAcross = 1.4;
-constexpr std::uint32_t kFewest = 16;  // pixels of a node
-constexpr double kSamples = 0.5;       // of T, for each sample of a node's pixels
-constexpr double kLeast = 4;           // of T, for each sample of the pixel that wants most
-constexpr double kFlat = 1e-3;         // rad that normals beside each other may differ by there
+// Pixels that a group has for each node. Those of bent surfaces, of which a pixel needs many, serve
+// others, too.
+constexpr double kFacePixels = 4, kBentPixels = 1;
+constexpr double kMostMemory = 0x1p28;  // bytes, of a group's nodes
+constexpr double kSamples = 1;          // of T, for each sample of the pixels
+constexpr double kLeast = 2;            // of T, for each sample of the pixel that wants most
 // Of a pixel, at the end of the round in which the last of them say what it needs.
 constexpr std::uint32_t kEarly = 4;
-constexpr double kGrazing = 0.02;  // cosθo: nodes seen flatter than that say little of others
-
-// The sphere on a square [0,1]² (octahedral map), z toward its middle.
-struct MapPoint {
-    double x, y;
-};
-MapPoint octahedral(const Vec3& v) {
-    const double norm = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-    const double x = v.x / norm, y = v.y / norm;
-    if (v.z >= 0) return {0.5 * (1 + x), 0.5 * (1 + y)};
-    return {0.5 * (1 + std::copysign(1 - std::abs(y), x)),
-            0.5 * (1 + std::copysign(1 - std::abs(x), y))};
-}
-
-// What a step to the next cell of the picture adds to a key.
-constexpr std::array<int, 2> kAxisShift{36, 24};
-
-bool is_flat(const Vec3& n, const Vec3& beside) {
-    const Vec3 step = n - beside;
-    return dot(step, step) < sqr(kFlat);
-}
-
-// Angle between the rays of two pixels beside each other, rad; 0: all rays are parallel.
-double pixel_angle(const Camera& camera, int height) {
-    if (camera.projection == Projection::kOrthographic) return 0;
-    return 2 * std::tan(0.5 * camera.yfov) / height;
-}
 
 }  // namespace
 
 SkyTable::SkyTable(const PreparedScene::Impl& scene, const Camera& camera,
                    const RenderSettings& settings)
-    : scene_(scene),
-      camera_(camera),
+    : grid_(scene, camera, settings),
       picture_(camera, settings.width, settings.height),
       width_(settings.width),
       replicates_(settings.replicates),
-      row_(4 * scene.wavelengths_nm.size()),
-      seen_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height),
-            -1) {
-    const double angle = pixel_angle(camera, settings.height);
-    for (const Surface& surface : scene.surfaces) {
-        const double slope = surface.sharpest_slope();
-        const double width = std::min(kWidest, std::max(kWidth * slope, kNarrow * angle));
-        Cells cells;
-        if (width >= kNarrowest && width < slope && !surface.directions().black()) {
-            cells.normals = std::sqrt(4 * kPi) / width;
-            const double across = (surface.sharp() ? kSharpAcross : kWideAcross) * width;
-            cells.pixels = angle > 0 ? std::max(1.0, across / angle) : HUGE_VAL;
-        }
-        cells_.push_back(cells);
-    }
-}
-
-SkyTable::Key SkyTable::key(int pixel_x, int pixel_y, int instance, const Vec3& n) const {
-    const auto paint = static_cast<std::size_t>(scene_.paints[static_cast<std::size_t>(instance)]);
-    const Cells& cells = cells_[paint];
-    if (cells.normals == 0) return kNone;
-    const MapPoint p =
-        octahedral({dot(n, camera_.right), dot(n, camera_.up), -dot(n, camera_.forward)});
-    // Off the middle by odd parts, so that what is level or faces the camera is on no edge.
-    const auto cell = [](double x) { return static_cast<Key>(x) & 0xfff; };
-    const auto at = [&](int pixel) {
-        return cells.pixels == HUGE_VAL ? Key{0} : cell((pixel + 0.5) / cells.pixels);
-    };
-    return (static_cast<Key>(paint) << 48) | (at(pixel_x) << kAxisShift[0]) |
-           (at(pixel_y) << kAxisShift[1]) | (cell(p.x * cells.normals + 0.37) << 12) |
-           cell(p.y * cells.normals + 0.41);
-}
-
-std::optional<SkyNode> SkyTable::node_of(int pixel_x, int pixel_y, int instance,
-                                         const Vec3& n) const {
-    const auto paint = static_cast<std::size_t>(scene_.paints[static_cast<std::size_t>(instance)]);
-    const double cell = cells_[paint].pixels;
-    const auto middle = [&](int pixel) {
-        return cell == HUGE_VAL ? 0 : (std::floor((pixel + 0.5) / cell) + 0.5) * cell;
-    };
-    const Vec3 k = picture_.ray(middle(pixel_x), middle(pixel_y)).direction;
-    if (dot(n, -k) < kGrazing) return {};
-    return SkyNode{instance, n, -k, image_frame(camera_, -k), dot(n, -k)};
+      row_(4 * scene.wavelengths_nm.size()) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
+    seen_.assign(pixels, -1);
+    looks_.resize(pixels);
 }
 
 void SkyTable::look(int pixel_x, int pixel_y, int instance, const Vec3& n) {
-    const Key k = key(pixel_x, pixel_y, instance, n);
-    if (k == kNone) return;
-    const auto [found, is_new] = index_.try_emplace(k, static_cast<int>(nodes_.size()));
-    if (is_new) {
-        const std::optional<SkyNode> node = node_of(pixel_x, pixel_y, instance, n);
-        if (!node) {
-            index_.erase(found);
-            return;
-        }
-        nodes_.push_back(*node);
-        keys_.push_back(k);
-    }
-    seen_[pixel(pixel_x, pixel_y)] = found->second;
+    looks_[pixel(pixel_x, pixel_y)] = {instance, Vec3f(n)};
+    grid_.look(instance, n);
 }
 
 void SkyTable::settle() {
-    std::vector<std::uint32_t> pixels(nodes_.size(), 0);
-    for (int i : seen_)
-        if (i >= 0) ++pixels[static_cast<std::size_t>(i)];
-    std::vector<int> place(nodes_.size(), -1);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        if (pixels[i] < kFewest) continue;
-        place[i] = static_cast<int>(kept);
-        nodes_[kept] = nodes_[i];
-        keys_[kept++] = keys_[i];
+    // Cells in the order in which pixels show them.
+    std::map<int, std::vector<CellCount>> groups;
+    std::unordered_map<Key, std::size_t> known;  // place in its group
+    std::vector<Key> keys(looks_.size(), SkyGrid::kNone);
+    for (std::size_t i = 0; i < looks_.size(); ++i) {
+        const auto& [instance, normal] = looks_[i];
+        if (instance < 0) continue;
+        const int x = static_cast<int>(i) % width_, y = static_cast<int>(i) / width_;
+        const Vec3 wo = -picture_.ray(x + 0.5, y + 0.5).direction;
+        keys[i] = grid_
+                      .place(x, y, x + 0.5, y + 0.5, instance, normalize(Vec3(normal)), wo,
+                             SkyGrid::kNone)
+                      .cell;
+        if (keys[i] == SkyGrid::kNone) continue;
+        std::vector<CellCount>& cells = groups[grid_.group(keys[i])];
+        const auto [found, is_new] = known.try_emplace(keys[i], cells.size());
+        if (is_new) cells.push_back({keys[i], 0});
+        ++cells[found->second].pixels;
     }
-    nodes_.resize(kept);
-    keys_.resize(kept);
-    for (int& i : seen_)
-        if (i >= 0) i = place[static_cast<std::size_t>(i)];
-    index_.clear();
-    for (std::size_t i = 0; i < kept; ++i) index_.emplace(keys_[i], static_cast<int>(i));
-    neighbours_.resize(kept);
-    for (std::size_t i = 0; i < kept; ++i) find_neighbours(i);
-    sums_.resize(kept * replicates_ * row_);
-    means_.resize(kept * replicates_ * row_);
-    samples_.resize(kept);
+    looks_ = {};
+    std::unordered_map<Key, int> node_index;
+    for (const auto& [group, cells] : groups)
+        if (const auto fewest = fewest_pixels(cells))
+            for (const CellCount& cell : cells)
+                if (cell.pixels >= *fewest) add_cell(cell.key, node_index);
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (const auto found = index_.find(keys[i]); found != index_.end())
+            seen_[i] = found->second;
+    sums_.resize(nodes_.size() * replicates_ * row_);
+    means_.resize(sums_.size());
+    samples_.resize(nodes_.size());
 }
 
-// None of sharp paint: with directions that turn with the node little is left to gain, and three nodes
-// cost more than that.
-void SkyTable::find_neighbours(std::size_t node) {
-    neighbours_[node] = {{{-1, -1}, {-1, -1}}};
-    if (scene_.surface_of(nodes_[node].instance).sharp()) return;
-    for (std::size_t axis = 0; axis < 2; ++axis)
-        for (std::size_t side = 0; side < 2; ++side) {
-            const Key step = Key{1} << kAxisShift[axis];
-            const auto found = index_.find(side == 0 ? keys_[node] - step : keys_[node] + step);
-            const bool goes_on =
-                found != index_.end() &&
-                is_flat(nodes_[static_cast<std::size_t>(found->second)].n, nodes_[node].n);
-            neighbours_[node][axis][side] = goes_on ? found->second : -1;
+// How many pixels a cell of a group must have for their nodes to be worth their while; nothing where that
+// will not do.
+std::optional<std::uint32_t> SkyTable::fewest_pixels(const std::vector<CellCount>& cells) const {
+    const double pixels_per_node = grid_.of_face(cells[0].key) ? kFacePixels : kBentPixels;
+    const double most =
+        kMostMemory / static_cast<double>(replicates_ * row_ * (sizeof(double) + sizeof(float)));
+    for (std::uint32_t fewest = 1; fewest <= 64; fewest *= 4) {
+        double shown = 0, count = 0;
+        for (const CellCount& cell : cells)
+            if (cell.pixels >= fewest) shown += cell.pixels, count += 1;
+        if (count * pixels_per_node > shown) continue;  // nor are nodes fewer than cells
+        std::unordered_set<Key> nodes;
+        for (const CellCount& cell : cells)
+            if (cell.pixels >= fewest)
+                for (Key node : grid_.nodes_of(cell.key)) nodes.insert(node);
+        const auto size = static_cast<double>(nodes.size());
+        if (size * pixels_per_node <= shown && size <= most) return fewest;
+    }
+    return {};
+}
+
+// With its nodes, if all can be.
+void SkyTable::add_cell(Key cell, std::unordered_map<Key, int>& node_index) {
+    const std::vector<Key> keys = grid_.nodes_of(cell);
+    std::vector<int> corners;
+    for (Key key : keys) {
+        const auto found = node_index.find(key);
+        const std::optional<SkyNode> node =
+            found == node_index.end() ? grid_.node_at(key) : std::nullopt;
+        if (found == node_index.end() && !node) return;
+        corners.push_back(found == node_index.end() ? static_cast<int>(nodes_.size())
+                                                    : found->second);
+        if (!node) continue;
+        node_index.emplace(key, corners.back());
+        nodes_.push_back(*node);
+    }
+    index_.emplace(cell, static_cast<int>(cells_.size()));
+    cells_.push_back({cell, cell_nodes_.size(), corners.size()});
+    cell_nodes_.insert(cell_nodes_.end(), corners.begin(), corners.end());
+}
+
+SkyTable::Key SkyTable::key_at(int pixel_x, int pixel_y) const {
+    const int cell = seen_[pixel(pixel_x, pixel_y)];
+    return cell < 0 ? SkyGrid::kNone : cells_[static_cast<std::size_t>(cell)].key;
+}
+
+double SkyTable::error(int pixel_x, int pixel_y) const {
+    return grid_.error(key_at(pixel_x, pixel_y));
+}
+
+SkySpot SkyTable::find(int pixel_x, int pixel_y, double x, double y, int instance, const Vec3& n,
+                       const Vec3& wo) const {
+    const Key near = key_at(pixel_x, pixel_y);
+    const SkyGrid::Place at = grid_.place(pixel_x, pixel_y, x, y, instance, n, wo, near);
+    if (at.cell == SkyGrid::kNone) return {};
+    if (at.cell == near) return {seen_[pixel(pixel_x, pixel_y)], at.weight};
+    const auto found = index_.find(at.cell);
+    return found == index_.end() ? SkySpot{} : SkySpot{found->second, at.weight};
+}
+
+SkyTable::Corners SkyTable::corners(int cell, int pixel_x, int pixel_y,
+                                    std::vector<float>& space) const {
+    const Cell& of = cells_[static_cast<std::size_t>(cell)];
+    const std::size_t numbers = replicates_ * row_;
+    const auto mean = [&](std::size_t i) {
+        return &means_[static_cast<std::size_t>(cell_nodes_[of.first + i]) * numbers];
+    };
+    Corners corners;
+    if (of.count == kCorners) {
+        for (std::size_t i = 0; i < kCorners; ++i) corners[i] = mean(i);
+        return corners;
+    }
+    const std::array<float, 9> weights = grid_.view_weights(of.key, pixel_x, pixel_y);
+    space.assign(corners.size() * numbers, 0.f);
+    for (std::size_t view = 0; view < weights.size(); ++view) {
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const float* from = mean(view * corners.size() + i);
+            float* to = &space[i * numbers];
+            for (std::size_t j = 0; j < numbers; ++j) to[j] += weights[view] * from[j];
         }
-}
-
-NodeShares SkyTable::find(int pixel_x, int pixel_y, int instance, const Vec3& n,
-                          bool linear) const {
-    NodeShares shares;
-    const Key k = key(pixel_x, pixel_y, instance, n);
-    if (k == kNone) return shares;
-    int own = seen_[pixel(pixel_x, pixel_y)];
-    if (own < 0 || keys_[static_cast<std::size_t>(own)] != k) {
-        const auto found = index_.find(k);
-        if (found == index_.end()) return shares;
-        own = found->second;
     }
-    shares.node[0] = own;
-    const double width =
-        cells_[static_cast<std::size_t>(scene_.paints[static_cast<std::size_t>(instance)])].pixels;
-    if (!linear || width == HUGE_VAL || !is_flat(node(own).n, n)) return shares;
-    // The neighbour on the pixel's side of the cell's middle, or else that on the other side.
-    const std::array<double, 2> place{(pixel_x + 0.5) / width, (pixel_y + 0.5) / width};
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-        const auto& neighbours = neighbours_[static_cast<std::size_t>(own)][axis];
-        const double off = place[axis] - std::floor(place[axis]) - 0.5;
-        const std::size_t near = off > 0 ? 1 : 0, side = neighbours[near] >= 0 ? near : 1 - near;
-        if (neighbours[side] < 0) continue;
-        shares.node[axis + 1] = neighbours[side];
-        shares.weight[axis + 1] = side == 1 ? off : -off;
-        shares.weight[0] -= shares.weight[axis + 1];
-    }
-    return shares;
+    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = &space[i * numbers];
+    return corners;
 }
 
 // Do samples of the pixel use T, as its first ones found before this round?
@@ -203,7 +172,7 @@ bool SkyTable::needs(const Exposure& exposure, std::size_t pixel) const {
 // one that never stopped, wherever in a round it did. To the next power of two, since rounds are cut
 // short by the samples asked for.
 std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
-    std::vector<double> pixels(nodes_.size(), 0.0), sum = pixels, most = pixels;
+    std::vector<double> pixels(cells_.size(), 0.0), sum = pixels, most = pixels;
     for (std::size_t pixel = 0; pixel < seen_.size(); ++pixel) {
         if (seen_[pixel] < 0) continue;
         const auto i = static_cast<std::size_t>(seen_[pixel]);
@@ -213,23 +182,35 @@ std::vector<std::uint32_t> SkyTable::goals(const Exposure& exposure) const {
         sum[i] += wanted;
         most[i] = std::max(most[i], wanted);
     }
+    std::vector<double> at_first(nodes_.size(), 0.0), whole = at_first, least = at_first;
+    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+        const Cell& of = cells_[cell];
+        const double share = kSamples / static_cast<double>(of.count);
+        for (std::size_t i = 0; i < of.count; ++i) {
+            const auto node = static_cast<std::size_t>(cell_nodes_[of.first + i]);
+            at_first[node] += share * pixels[cell], whole[node] += share * sum[cell];
+            least[node] = std::max(least[node], kLeast * most[cell]);
+        }
+    }
     std::vector<std::uint32_t> goals;
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        goals.push_back(std::bit_floor(static_cast<std::uint32_t>(std::min(
-            0x1p31, std::max({kSamples * pixels[i], kSamples * sum[i], kLeast * most[i]})))));
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+        goals.push_back(std::bit_floor(static_cast<std::uint32_t>(
+            std::min(0x1p31, std::max({kLeast, at_first[i], whole[i], least[i]})))));
     return goals;
 }
 
-void SkyTable::add(std::size_t node, std::size_t replicate, const float* C, std::size_t step) {
-    double* sums = &sums_[node * replicates_ * row_ + replicate];
-    for (std::size_t i = 0; i < row_; ++i)
-        sums[i * replicates_] += static_cast<double>(C[i * step]);
+void SkyTable::add(std::size_t node, const float* C) {
+    const std::size_t numbers = replicates_ * row_;
+    double* sums = &sums_[node * numbers];
+    for (std::size_t i = 0; i < numbers; ++i) sums[i] += static_cast<double>(C[i]);
+    ++samples_[node];
 }
 
 void SkyTable::develop(std::size_t node) {
     const std::size_t numbers = replicates_ * row_;
+    const double scale = nodes_[node].cos_o / samples_[node];
     for (std::size_t i = node * numbers; i < (node + 1) * numbers; ++i)
-        means_[i] = static_cast<float>(sums_[i] / samples_[node]);
+        means_[i] = static_cast<float>(scale * sums_[i]);
 }
 
 }  // namespace malus

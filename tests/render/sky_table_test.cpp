@@ -73,12 +73,12 @@ TEST_CASE("Sky table: on an open panel the quadrature, with a tenth of the error
             }
             // Variances of S0, S1 and S2: a frame or sign that differs between T and X would show.
             for (std::size_t e : {0u, 3u, 5u})
-                CHECK(with.at(100, w).covariance[e] < 0.01f * without.at(100, w).covariance[e]);
+                CHECK(with.at(100, w).covariance[e] / without.at(100, w).covariance[e] < 0.01f);
         }
     }
 }
 
-TEST_CASE("Sky table: beside a wall over 400 seeds z-scores spread as Student's t", "[render]") {
+TEST_CASE("Sky table: beside a wall over 400 seeds z-scores spread as errors say", "[render]") {
     // Ground before a wall: some sky is hidden, light comes from the wall, and views are not the
     // node's. One pixel: those of a node have an error in common.
     for (const Material* paint : {&green_paint(), &black_paint()}) {
@@ -105,13 +105,49 @@ TEST_CASE("Sky table: beside a wall over 400 seeds z-scores spread as Student's 
                 }
                 CAPTURE(paint->name, kThree[w], q.name, scores.mean(), scores.deviation(),
                         scores.coverage());
-                // 400 scores know their deviation to 5 %, the coverage to 1.1 %: false alarms under
-                // 1e-3 a number. The reference's own error, the same in all, is seen in the mean.
+                // By its own 7 degrees of freedom a pixel has scores as Student's t: √(7/5) and 95 %.
+                // Where 15 neighbours say the same of its error (shared_errors.h), they have 1.02 and 97.6 %
+                // (by drawing gamma variates); else something between. 400 scores know their
+                // deviation to 5 %, the coverage to 1.1 %: false alarms under 1e-3 a number. The
+                // reference's own error, the same in all, is seen in the mean.
                 CHECK(std::abs(scores.mean()) < 0.3);
-                CHECK(scores.deviation() == Approx(std::sqrt(7.0 / 5)).epsilon(0.17));
-                CHECK(scores.coverage() == near(0.95, 0.035));
+                CHECK(scores.deviation() > 1.02 * 0.83);
+                CHECK(scores.deviation() < std::sqrt(7.0 / 5) * 1.17);
+                CHECK(scores.coverage() > 0.95 - 0.035);
             }
     }
+}
+
+TEST_CASE("Sky table: few samples that miss hidden light do not claim to know", "[render]") {
+    // Ground beside a wall at one sample a replicate: before pixels shared their errors, some 9 % of
+    // them were off by more than six of their own.
+    const std::vector<double> two{440, 600};
+    const PreparedScene scene(corner_scene(), {0, 1}, {black_paint(), green_paint()},
+                              read_sky(MALUS_SOURCE_DIR "/skies/hazy_60.exr"), two);
+    const Camera camera = look_at({0, 0.3, 0.8}, 30, 0, 1.1);
+    RenderSettings settings = small();
+    settings.width = settings.height = 32;
+    settings.spp = 1 << 14, settings.seed = 1u << 20, settings.sky_table = false;
+    const Film reference = render(scene, camera, settings).film;
+    settings.spp = 8, settings.sky_table = true;
+    int far = 0, count = 0;
+    for (settings.seed = 0; settings.seed < 10; ++settings.seed) {
+        const Film film = render(scene, camera, settings).film;
+        for (std::size_t i = 0; i < film.pixel_count(); ++i)
+            for (std::size_t w = 0; w < two.size(); ++w) {
+                if (film.coverage[i] < 1 || film.instance[i] != 0) continue;
+                const PixelStokes &found = film.at(i, w), &right = reference.at(i, w);
+                const double off = std::abs(found.mean.s0 - right.mean.s0);
+                const double variance = static_cast<double>(found.covariance[0]) +
+                                        static_cast<double>(right.covariance[0]);
+                far += off > 6 * std::sqrt(variance), ++count;
+            }
+    }
+    CAPTURE(far, count);
+    CHECK(count > 5000);
+    // Student's t with 7 degrees of freedom is beyond 6 in 0.05 %; few samples of rare light are not quite
+    // it.
+    CHECK(far < 0.01 * count);
 }
 
 TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[render]") {
@@ -161,49 +197,67 @@ TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[ren
     }
 }
 
-TEST_CASE("Sky table: nodes of flat ground stand for a pixel's view to second order") {
-    const PreparedScene scene = scene_of(panel_scene(), black_paint());
-    const Camera camera = near_view(55, 160, {0, 0, 0}, 12);
-    RenderSettings settings = small();
-    settings.width = 64, settings.height = 48;
-    SkyTable table(scene.impl(), camera, settings);
-    const Vec3 up{0, 1, 0};
-    const auto each_pixel = [&](const auto& visit) {
-        for (int y = 0; y < settings.height; ++y)
-            for (int x = 0; x < settings.width; ++x) visit(x, y);
-    };
-    each_pixel([&](int x, int y) { table.look(x, y, 0, up); });
-    table.settle();
-    REQUIRE(table.node_count() > 8);
-    const Picture picture(camera, settings.width, settings.height);
-    double nearest = 0, linear = 0;
-    each_pixel([&](int x, int y) {
-        const Vec3 wo = -picture.ray(x + 0.5, y + 0.5).direction;
-        CHECK(table.find(x, y, 0, up, false).node[1] == -1);
-        const NodeShares shares = table.find(x, y, 0, up, true);
-        Vec3 sum{};
-        for (std::size_t i = 0; i < kShares; ++i) {
-            REQUIRE(shares.node[i] >= 0);
-            sum = sum + shares.weight[i] * table.node(shares.node[i]).wo;
+TEST_CASE("Sky table: between nodes T is the quadrature, on faces and bent surfaces", "[render]") {
+    // Nodes hold quadratures, so that what is left is the interpolation's.
+    const std::vector<double> two{440, 600};
+    for (const Material* paint : {&green_paint(), &black_paint()})
+        for (const bool face : {true, false}) {
+            const PreparedScene scene(panel_scene(), {0}, {*paint},
+                                      sample_sky(smooth_sky(), two, 18, 72), two);
+            const Camera camera = near_view(60, 160, {0, 0, 0}, 12);
+            RenderSettings settings = small();
+            settings.width = 96, settings.height = 72, settings.replicates = 2;
+            SkyTable table(scene.impl(), camera, settings);
+            const Picture picture(camera, settings.width, settings.height);
+            const auto normal = [&](int x, int y) {
+                return face ? Vec3{0, 1, 0} : normalize(Vec3{0.002 * x - 0.1, 1, 0.2 - 0.003 * y});
+            };
+            for (int y = 0; y < settings.height; ++y)
+                for (int x = 0; x < settings.width; ++x) table.look(x, y, 0, normal(x, y));
+            table.settle();
+            REQUIRE(table.node_count() > 0);
+            const auto quadrature = [&](const Vec3& n, const Vec3& wo, double nm) {
+                return reference::panel(reference_paint(*paint, nm), n, wo,
+                                        image_frame(camera, wo).x, smooth_sky(), 1e-6)
+                    .value;
+            };
+            for (std::size_t i = 0; i < table.node_count(); ++i) {
+                std::vector<float> C(4 * two.size() * 2);
+                for (std::size_t w = 0; w < two.size(); ++w) {
+                    const auto S = quadrature(table.node(i).n, table.node(i).wo, two[w]);
+                    for (std::size_t c = 0; c < 4; ++c)
+                        for (std::size_t r = 0; r < 2; ++r)
+                            C[(c * two.size() + w) * 2 + r] = static_cast<float>(S[c]);
+                }
+                table.add(i, C.data());
+                table.develop(i);
+            }
+            std::array<double, 4>
+                worst{};  // of S0 to S3, in what variances() of exposure.cpp takes
+            for (int y = 0; y < settings.height; y += 11)
+                for (int x = 0; x < settings.width; x += 13) {
+                    const Vec3 wo = -picture.ray(x + 0.5, y + 0.5).direction, n = normal(x, y);
+                    const SkySpot spot = table.find(x, y, x + 0.5, y + 0.5, 0, n, wo);
+                    REQUIRE(spot.cell >= 0);
+                    std::vector<float> space;
+                    const SkyTable::Corners corners = table.corners(spot.cell, x, y, space);
+                    for (std::size_t w = 0; w < two.size(); ++w) {
+                        const auto right = quadrature(n, wo, two[w]);
+                        const double linear = std::hypot(right[1], right[2]);
+                        const double bound = std::min(right[0], 100 * linear);
+                        const std::array<double, 4> scale{right[0], bound, bound, 0.25 * right[0]};
+                        for (std::size_t c = 0; c < 4; ++c) {
+                            double T = 0;
+                            for (std::size_t k = 0; k < kCorners; ++k)
+                                T += static_cast<double>(spot.weight[k] *
+                                                         corners[k][(c * two.size() + w) * 2]);
+                            worst[c] = std::max(worst[c], std::abs(T - right[c]) / scale[c]);
+                        }
+                    }
+                }
+            CAPTURE(paint->name, face, table.node_count(), worst[0], worst[1], worst[2], worst[3]);
+            for (double off : worst) CHECK(off < (face ? 1.5e-4 : 3e-4));
         }
-        CHECK(shares.weight[0] + shares.weight[1] + shares.weight[2] == near(1, 1e-12));
-        linear = std::max(linear, length(sum - wo));
-        nearest = std::max(nearest, length(table.node(shares.node[0]).wo - wo));
-    });
-    // Unit vectors lie on a sphere: d off the middle of a cell of width w, the line through it and its
-    // neighbour's leaves d (w − d)/2, or d (w + d)/2 at the picture's edge: at most 1.5 d² of each axis.
-    CAPTURE(nearest, linear);
-    CHECK(nearest > 0.04);
-    CHECK(linear < 1.6 * sqr(nearest));
-    // A surface that is bent, or of sharp paint, has nodes of its own, and no neighbours.
-    const Vec3 tilted = normalize(Vec3{0.01, 1, 0});
-    CHECK(table.find(32, 24, 0, tilted, true).node[1] == -1);
-    const PreparedScene sharp = scene_of(panel_scene(), green_paint());
-    SkyTable alone(sharp.impl(), camera, settings);
-    each_pixel([&](int x, int y) { alone.look(x, y, 0, up); });
-    alone.settle();
-    REQUIRE(alone.find(32, 24, 0, up, true).node[0] >= 0);
-    CHECK(alone.find(32, 24, 0, up, true).node[1] == -1);
 }
 
 TEST_CASE("Sky table: over 200 seeds flat ground near by is that without it", "[render]") {

@@ -83,8 +83,9 @@ class PixelExposure {
 
     std::uint32_t taken() const { return taken_; }
     /// Mean and covariance over the replicates. What rounding put above |(S1,S2,S3)| = S0 is taken
-    /// back, so that it holds also when stored as floats.
-    void develop(Film& film, std::size_t pixel) const;
+    /// back, so that it holds also when stored as floats. `open_error`: what the sky table may be off by in
+    /// all replicates alike, as a part of S0; added to the variances where α > 0.
+    void develop(Film& film, std::size_t pixel, double open_error = 0) const;
 
   private:
     std::size_t wavelengths_, replicates_;
@@ -98,6 +99,7 @@ class PixelExposure {
     std::uint32_t votes_ = 0;
 
     void vote(std::int32_t instance);
+    bool is_open(std::size_t wavelength) const;  // for any replicate
     double noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
                                 double norm) const;
     Stokes<double> replicate_mean(std::size_t replicate, std::size_t wavelength) const;

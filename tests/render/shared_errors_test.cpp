@@ -1,0 +1,71 @@
+// shared_errors_test.cpp — errors of rare events, known from neighbours.
+// SPDX-License-Identifier: Apache-2.0
+#include "render/shared_errors.h"
+
+#include <random>
+
+#include "support/catch.h"
+
+using namespace malus;
+
+namespace {
+
+PixelStokes with_covariance(const std::array<float, 7>& covariance) {
+    PixelStokes pixel;
+    pixel.covariance = covariance;
+    return pixel;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Shared errors: half of a pixel's own and half of its neighbours', never less than its own",
+    "[render]") {
+    // C00, C01, C02, C11, C12, C22, C33; 10 and 40 samples: of one sample 10 and 0 times this.
+    PixelStokes sure = with_covariance({});
+    PixelStokes unsure = with_covariance({4, -1, 0.5f, 2, 0.25f, 1, 0.125f});
+    share_errors(std::array<SharedError, 2>{{{&sure, 40}, {&unsure, 10}}});
+    CHECK(unsure.covariance == std::array<float, 7>{4, -1, 0.5f, 2, 0.25f, 1, 0.125f});
+    // Mean of one sample: (40, …)/2 = 20; half of it is 10, over 40 samples 0.25.
+    CHECK(sure.covariance ==
+          std::array<float, 7>{0.25f, -0.0625f, 0.03125f, 0.125f, 0.015625f, 0.0625f, 0.0078125f});
+}
+
+TEST_CASE("Shared errors: light that one sample of 300 meets is within six errors", "[render]") {
+    // 16 pixels, 8 replicates of 2 samples, each with light 1 in one of 300: the mean is 1/300.
+    // In a whole tile 256 samples miss it with a chance of 0.43; then nobody knows.
+    std::mt19937 random(1);
+    std::bernoulli_distribution meets(1.0 / 300);
+    int far_alone = 0, far_shared = 0, tiles = 0;
+    while (tiles < 2000) {
+        std::array<PixelStokes, 16> pixels;
+        std::vector<SharedError> shared;
+        double whole = 0;
+        for (PixelStokes& pixel : pixels) {
+            std::array<double, 8> means{};
+            for (double& mean : means) {
+                for (int i = 0; i < 2; ++i) mean += meets(random) ? 0.5 : 0;
+                pixel.mean.s0 += mean / 8;
+            }
+            double squares = 0;
+            for (double mean : means) squares += (mean - pixel.mean.s0) * (mean - pixel.mean.s0);
+            pixel.covariance[0] = static_cast<float>(squares / 56);
+            whole += pixel.mean.s0;
+            shared.push_back({&pixel, 16});
+        }
+        if (whole == 0) continue;
+        ++tiles;
+        const auto far = [&] {
+            int count = 0;
+            for (const PixelStokes& pixel : pixels)
+                count += std::abs(pixel.mean.s0 - 1.0 / 300) >
+                         6 * std::sqrt(static_cast<double>(pixel.covariance[0]));
+            return count;
+        };
+        far_alone += far();
+        share_errors(shared);
+        far_shared += far();
+    }
+    CHECK(far_alone > 16 * tiles / 2);
+    CHECK(far_shared == 0);
+}
