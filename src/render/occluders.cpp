@@ -76,7 +76,6 @@ Occluders::Occluders(const PreparedScene::Impl& scene, int width, int height)
     : scene_(scene), columns_((width + kSquare - 1) / kSquare) {
     const int rows = (height + kSquare - 1) / kSquare;
     toward_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows));
-    hidden_.resize(toward_.size());
 }
 
 std::uint64_t Occluders::look(int square_x, int square_y,
@@ -119,7 +118,6 @@ std::uint64_t Occluders::look(int square_x, int square_y,
         for (std::size_t i = 0; i < kSide; ++i)
             if (reflected >> i & 1) hidden.add({x[i], y[i]}, cosines[i], !(free >> i & 1));
     }
-    hidden_[index(square_x, square_y)] = hidden.share();
     if (hidden.share() == 0 || hidden.share() > kMostHidden) return rays;
     const double defence = kDefence * hidden.mean();
     toward_[index(square_x, square_y)] =

@@ -39,11 +39,6 @@ class Occluders {
     /// where that is not worth its while.
     const SkyDensity* find(int pixel_x, int pixel_y) const;
 
-    /// The share of the sky, by cosθ, found hidden around a pixel; 0 where nobody looked.
-    double hidden_share(int pixel_x, int pixel_y) const {
-        return hidden_[index(pixel_x / kSquare, pixel_y / kSquare)];
-    }
-
   private:
     std::size_t index(int square_x, int square_y) const {
         return static_cast<std::size_t>(square_y) * static_cast<std::size_t>(columns_) +
@@ -52,7 +47,6 @@ class Occluders {
     const PreparedScene::Impl& scene_;
     int columns_;
     std::vector<SkyDensity> toward_;  // by square; dark where nothing hides sky
-    std::vector<double> hidden_;      // by square
 };
 
 }  // namespace malus

@@ -145,8 +145,10 @@ void PathTracer::shade_level(int depth, Paths& paths) const {
                 if (at.onward.lit & lanes) {
                     Light from = pair_of(onward, p, wavelengths);
                     S = by_onward(p, from);
-                    C = only(onward_seen, S);
-                    reaches = C.s0;
+                    if (at.open) {
+                        C = only(onward_seen, S);
+                        reaches = C.s0;
+                    }
                     if (at.meets_sun) {
                         from.s0 = from.s0 + at.onward_sun * sun;
                         S = by_onward(p, from);

@@ -18,6 +18,7 @@
 #include "malus/core/error.h"
 #include "malus/optics/wavelengths.h"
 #include "render/occluders.h"
+#include "render/open_light.h"
 #include "render/path_tracer.h"
 #include "render/sampling_plan.h"
 #include "render/shared_errors.h"
@@ -46,30 +47,21 @@ class Clock {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// A cell of the sky table as a pixel sees it.
-struct SeenCell {
-    int cell;
-    SkyTable::Corners corners;
-    std::vector<float> space;
-};
-
 // Work of one thread; the counts are merged when all is done.
 struct Worker {
     Paths paths;
     PixelExposure pixel;
     std::vector<Sampler> samplers;  // one a replicate
-    std::vector<float> S, open;     // of a sample of each replicate; of T, then T − C
-    std::vector<SeenCell> cells;    // of the sky table, at the pixel
-    std::size_t cells_used = 0;
-    std::vector<const SkySpot*> spots;     // of a sample
-    std::vector<float> weights;            // of a cell's nodes, [node][replicate]
+    std::vector<float> S;           // of a sample of each replicate
+    OpenLight open;
     std::vector<std::size_t> open_pixels;  // of a tile: those that use the sky table
-    std::vector<SharedError> shared;
     std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
     explicit Worker(const Exposure& exposure)
-        : pixel(exposure), S(exposure.pixel_stride()), open(exposure.pixel_stride()) {}
+        : pixel(exposure),
+          S(exposure.pixel_stride()),
+          open(exposure.wavelengths_nm.size(), exposure.replicates) {}
 };
 
 // One call of render().
@@ -130,30 +122,9 @@ class Job {
             if (table_ && pixel.is_open() && result_.film.samples[index] > 0)
                 worker.open_pixels.push_back(index);
         });
-        share_errors_of(worker.open_pixels, worker);
+        share_errors(result_.film, worker.open_pixels);
         for_each_pixel(tile,
                        [&](int, int, std::size_t index) { plan_.measure(result_.film, index); });
-    }
-
-    // Of pixels that use the sky table, surface by surface.
-    void share_errors_of(std::span<std::size_t> pixels, Worker& worker) {
-        Film& film = result_.film;
-        const std::size_t W = film.wavelengths_nm.size();
-        while (!pixels.empty()) {
-            const std::int32_t instance = film.instance[pixels.front()];
-            const auto rest = std::partition(pixels.begin(), pixels.end(), [&](std::size_t pixel) {
-                return film.instance[pixel] == instance;
-            });
-            const auto same = static_cast<std::size_t>(rest - pixels.begin());
-            for (std::size_t w = 0; w < W; ++w) {
-                worker.shared.clear();
-                for (std::size_t pixel : pixels.first(same))
-                    worker.shared.push_back(
-                        {&film.stokes[pixel * W + w], static_cast<double>(film.samples[pixel])});
-                share_errors(worker.shared);
-            }
-            pixels = pixels.subspan(same);
-        }
     }
 
     // Which geometries the picture shows, and what hides the sky from them.
@@ -227,7 +198,7 @@ class Job {
         PixelExposure& pixel = worker.pixel;
         pixel.load(exposure(), index);
         begin(index, worker);
-        worker.cells_used = 0;
+        if (table_) worker.open.begin(*table_, x, y);
         while (pixel.taken() < wanted) {
             const std::uint32_t count = samples_together(pixel.taken(), wanted);
             trace(x, y, count, worker);
@@ -279,8 +250,8 @@ class Job {
     void find_open(int x, int y, Worker& worker) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         const bool hidden_known = toward_occluders(x, y) != nullptr;
-        if (!find_open_light(x, y, 0, worker)) return;
-        const float* T = worker.open.data();
+        if (!worker.open.find(worker.paths, 0)) return;
+        const float* T = worker.open.light();
         struct Light {
             double whole = 0, seen = 0;
         };
@@ -311,9 +282,9 @@ class Job {
         const Paths& paths = worker.paths;
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         paths.light(sample, W, worker.S.data());
-        const bool open = worker.pixel.is_open() && find_open_light(x, y, sample, worker);
-        if (open) subtract_open(sample, worker);
-        if (!worker.pixel.add_all(worker.S.data(), open ? worker.open.data() : nullptr))
+        const bool open = worker.pixel.is_open() && worker.open.find(paths, sample);
+        if (open) worker.open.subtract(paths, sample);
+        if (!worker.pixel.add_all(worker.S.data(), open ? worker.open.light() : nullptr))
             for (std::size_t r = 0; r < R; ++r) add_one(x, y, r, open, worker);
         for (std::size_t i = sample * R; i < (sample + 1) * R; ++i)
             if (paths.instance(i) < 0)
@@ -322,77 +293,12 @@ class Job {
                 worker.pixel.add_surface(paths.instance(i), paths.distance(i));
     }
 
-    // T of the paths of a sample, 0 where it is not known; false where it is of none.
-    bool find_open_light(int x, int y, std::size_t sample, Worker& worker) const {
-        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = worker.paths.replicates();
-        std::vector<const SkySpot*>& spots = worker.spots;
-        spots.resize(R);
-        bool any = false;
-        for (std::size_t r = 0; r < R; ++r) {
-            spots[r] = worker.paths.open(sample * R + r, W).spot;
-            any |= spots[r] != nullptr;
-        }
-        if (!any) return false;
-        std::fill_n(worker.open.begin(), 4 * W * R, 0.f);
-        for (std::size_t r = 0; r < R; ++r) {
-            const auto same = [&](const SkySpot* s) { return s && s->cell == spots[r]->cell; };
-            if (!spots[r] || std::any_of(spots.begin(), spots.begin() + std::ptrdiff_t(r), same))
-                continue;
-            worker.weights.assign(kCorners * R, 0.f);
-            for (std::size_t i = r; i < R; ++i)
-                if (same(spots[i]))
-                    for (std::size_t k = 0; k < kCorners; ++k)
-                        worker.weights[k * R + i] = spots[i]->weight[k];
-            add_weighted(seen_cell(x, y, spots[r]->cell, worker), worker.weights.data(), 4 * W, R,
-                         worker.open.data());
-        }
-        return true;
-    }
-
-    // to[j][r] += Σ weights[k][r] corners[k][j][r]
-    static void add_weighted(const SkyTable::Corners& corners, const float* weights,
-                             std::size_t rows, std::size_t R, float* to) {
-        std::size_t r = 0;
-        for (; r + kSide <= R; r += kSide) {
-            std::array<Reals, kCorners> weight;
-            for (std::size_t k = 0; k < kCorners; ++k) weight[k] = load_floats(&weights[k * R + r]);
-            for (std::size_t i = r; i < rows * R; i += R) {
-                Reals sum = load_floats(to + i);
-                for (std::size_t k = 0; k < kCorners; ++k)
-                    sum = sum + weight[k] * load_floats(corners[k] + i);
-                store_floats(sum, to + i);
-            }
-        }
-        for (; r < R; ++r)
-            for (std::size_t i = r; i < rows * R; i += R)
-                for (std::size_t k = 0; k < kCorners; ++k)
-                    to[i] += weights[k * R + r] * corners[k][i];
-    }
-
-    const SkyTable::Corners& seen_cell(int x, int y, int cell, Worker& worker) const {
-        for (std::size_t i = 0; i < worker.cells_used; ++i)
-            if (worker.cells[i].cell == cell) return worker.cells[i].corners;
-        if (worker.cells.size() == worker.cells_used) worker.cells.emplace_back();
-        SeenCell& seen = worker.cells[worker.cells_used++];
-        seen.cell = cell;
-        seen.corners = table_->corners(cell, x, y, seen.space);
-        return seen.corners;
-    }
-
-    void subtract_open(std::size_t sample, Worker& worker) const {
-        const std::size_t W = result_.exposure.wavelengths_nm.size(), R = worker.paths.replicates();
-        for (std::size_t r = 0; r < R; ++r)
-            if (const Paths::Open open = worker.paths.open(sample * R + r, W); open.spot)
-                for (std::size_t j = 0; j < 4 * W; ++j)
-                    worker.open[j * R + r] -= open.light[j * kSide];
-    }
-
     // Of a sample of which some are refused, one.
     void add_one(int x, int y, std::size_t replicate, bool open, Worker& worker) {
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         std::vector<float> S(4 * W), D(4 * W);
         for (std::size_t j = 0; j < 4 * W; ++j)
-            S[j] = worker.S[j * R + replicate], D[j] = worker.open[j * R + replicate];
+            S[j] = worker.S[j * R + replicate], D[j] = worker.open.light()[j * R + replicate];
         const auto r = static_cast<std::uint32_t>(replicate);
         if (!worker.pixel.add(r, S.data(), W, open ? D.data() : nullptr))
             refuse({x, y, r, worker.pixel.taken()}, worker);

@@ -25,4 +25,7 @@ struct SharedError {
 /// Of neighbours that show one surface.
 void share_errors(std::span<const SharedError> pixels);
 
+/// Of neighbours that have samples: those that show the same instance, at each wavelength. Reorders the list.
+void share_errors(Film& film, std::span<std::size_t> pixels);
+
 }  // namespace malus

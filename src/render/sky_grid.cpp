@@ -43,11 +43,6 @@ int normals_of(int ring, double step) {
                             std::bit_ceil(static_cast<unsigned>(std::ceil(around / kFewest))));
 }
 
-double pixel_angle(const Camera& camera, int height) {
-    if (camera.projection == Projection::kOrthographic) return 0;
-    return 2 * std::tan(0.5 * camera.yfov) / height;
-}
-
 }  // namespace
 
 // What is packed into a key. A cell has the column and row after its first ones; the column of what is no
@@ -93,7 +88,7 @@ SkyGrid::SkyGrid(const PreparedScene::Impl& scene, const Camera& camera,
     : scene_(scene),
       camera_(camera),
       picture_(camera, settings.width, settings.height),
-      angle_(pixel_angle(camera, settings.height)),
+      angle_(picture_.pixel_angle()),
       example_(scene.surfaces.size(), -1) {
     for (const Surface& surface : scene.surfaces) {
         const double spacing = std::min(kWidest, kSpacing * surface.sharpest_slope());

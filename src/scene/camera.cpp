@@ -27,9 +27,10 @@ Picture::Picture(const Camera& camera, int width, int height)
     const double half = projection_ == Projection::kPerspective
                             ? std::tan(0.5 * camera.yfov)
                             : std::max(camera.ymag, camera.xmag / aspect);
+    pixel_ = 2 * half / height;
     corner_ = half * camera.up - half * aspect * camera.right;
     across_ = (2 * half * aspect / width) * camera.right;
-    down_ = (-2 * half / height) * camera.up;
+    down_ = -pixel_ * camera.up;
 }
 
 Camera frame_view(const View& view, const Box& box, int width, int height) {

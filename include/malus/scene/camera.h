@@ -46,10 +46,13 @@ class Picture {
             return {V(position_), normalize(V(forward_) + offset)};
         return {V(position_) + offset, V(forward_)};
     }
+    /// Between the rays of pixels beside each other in the middle, rad; 0: all rays are parallel.
+    double pixel_angle() const { return projection_ == Projection::kPerspective ? pixel_ : 0; }
 
   private:
     Projection projection_;
     Vec3 position_, forward_;
+    double pixel_;                 // its height, as corner_
     Vec3 corner_, across_, down_;  // to the top left corner, and a pixel to the right and down
 };
 
