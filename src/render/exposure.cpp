@@ -14,7 +14,7 @@ namespace {
 constexpr float kMost = 1e30f;
 
 // Of a mean off by `error` of S0. S1 and S2 are off by no more, nor by more than a hundred times that of
-// what they are together (`Sky table: between nodes T is the quadrature …`); S3 by a fifth, which is left out.
+// what they are together (`Sky table: between nodes T is the quadrature …`); S3, by a quarter of it, is left out.
 std::array<double, 7> variances(const Stokes<double>& S, double error) {
     const double linear = std::min(S.s0, 100 * std::hypot(S.s1, S.s2));
     std::array<double, 7> variances{};

@@ -56,6 +56,26 @@ TEST_CASE("Film: mean and covariance of the mean over replicates") {
     CHECK(one.film.samples[0] == 6);
 }
 
+TEST_CASE("Film: what the sky table may be off by is in the variances where it is used") {
+    // Replicates that agree: all error is the table's, 1e-3 of S0, but of S1 and S2 no more than 100 times
+    // that of what they are together. By hand: S0 2, hypot(S1, S2) 0.005 and 0.5.
+    for (const float s2 : {0.004f, 0.4f})
+        for (const bool used : {true, false}) {
+            OnePixel one(2);
+            for (std::uint32_t r = 0; r < 2; ++r) one.add(r, 2, 0.75f * s2, s2, 0);
+            if (used) one.pixel.set_open(1, 0, 1);
+            one.pixel.end_sample();
+            one.pixel.develop(one.film, 0, 1e-3);
+            const PixelStokes& p = one.film.at(0, 0);
+            const double linear = s2 < 0.1f ? 100 * 0.005 : 2;
+            CAPTURE(s2, used);
+            CHECK(p.covariance[0] == near(used ? 4e-6 : 0, 1e-12));
+            CHECK(p.covariance[3] == near(used ? 1e-6 * linear * linear : 0, 1e-12));
+            CHECK(p.covariance[5] == near(used ? 1e-6 * linear * linear : 0, 1e-12));
+            for (std::size_t e : {1u, 2u, 4u, 6u}) CHECK(p.covariance[e] == 0);
+        }
+}
+
 TEST_CASE("Film: samples that are not finite or negative are refused and leave no trace") {
     OnePixel one(2);
     CHECK(one.add(0, 1, 0.5f, 0, 0));

@@ -31,6 +31,24 @@ TEST_CASE(
           std::array<float, 7>{0.25f, -0.0625f, 0.03125f, 0.125f, 0.015625f, 0.0625f, 0.0078125f});
 }
 
+TEST_CASE("Shared errors: only among pixels of one instance, wavelength by wavelength",
+          "[render]") {
+    Film film(4, 1, {440, 600});
+    film.instance = {7, 2, 7, 2};
+    film.samples = {1, 1, 1, 1};
+    for (std::size_t w = 0; w < 2; ++w) film.stokes[2 * 0 + w].covariance[0] = w == 0 ? 8 : 0;
+    film.stokes[2 * 3 + 1].covariance[0] = 2;
+    std::vector<std::size_t> pixels{0, 1, 2, 3};
+    share_errors(film, pixels);
+    // Pixel 2 learns of 0: half of (8 + 0)/2. Pixel 1 of 3: half of (2 + 0)/2.
+    const std::array<std::array<float, 2>, 4> expected{{{8, 0}, {0, 0.5f}, {2, 0}, {0, 2}}};
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t w = 0; w < 2; ++w) {
+            CAPTURE(i, w);
+            CHECK(film.at(i, w).covariance[0] == expected[i][w]);
+        }
+}
+
 TEST_CASE("Shared errors: light that one sample of 300 meets is within six errors", "[render]") {
     // 16 pixels, 8 replicates of 2 samples, each with light 1 in one of 300: the mean is 1/300.
     // In a whole tile 256 samples miss it with a chance of 0.43; then nobody knows.

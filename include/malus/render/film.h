@@ -4,6 +4,8 @@
 //   var p    = [(S1²C11 + S2²C22 + 2S1S2C12)/P² + p²C00 − 2p(S1C01 + S2C02)/P] / S0²
 //   var AoLP = (S1²C22 + S2²C11 − 2S1S2C12)/(4P⁴)              P = √(S1²+S2²), p = P/S0 = DoLP
 //   p̂        = p − b² (1 − e^{−p²/b²})/(2p),   b² = (S1²C22 + S2²C11 − 2S1S2C12)/(P²S0²)
+//   C where the sky table is used: plus what that may be off by (exposure.h), and raised toward that of
+//   neighbours (render/shared_errors.h)
 //   variances times (R−1)/R · m/(m−1), m = R/(1 + (R−1)C00/S0²) the number of replicates that carry
 //   the light; below m = 2 nothing is known, nor of AoLP where p is below 3 of its errors
 //
