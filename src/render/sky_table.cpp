@@ -77,21 +77,29 @@ void SkyTable::settle() {
 // will not do.
 std::optional<std::uint32_t> SkyTable::fewest_pixels(const std::vector<CellCount>& cells) const {
     const double pixels_per_node = grid_.of_face(cells[0].key) ? kFacePixels : kBentPixels;
-    const double most =
+    const double memory =
         kMostMemory / static_cast<double>(replicates_ * row_ * (sizeof(double) + sizeof(float)));
     for (std::uint32_t fewest = 1; fewest <= 64; fewest *= 4) {
         double shown = 0, count = 0;
         for (const CellCount& cell : cells)
             if (cell.pixels >= fewest) shown += cell.pixels, count += 1;
-        if (count * pixels_per_node > shown) continue;  // nor are nodes fewer than cells
-        std::unordered_set<Key> nodes;
-        for (const CellCount& cell : cells)
-            if (cell.pixels >= fewest)
-                for (Key node : grid_.nodes_of(cell.key)) nodes.insert(node);
-        const auto size = static_cast<double>(nodes.size());
-        if (size * pixels_per_node <= shown && size <= most) return fewest;
+        const double most = std::min(shown / pixels_per_node, memory);
+        if (count <= most && count_nodes(cells, fewest, most) <= most)  // nor are nodes fewer
+            return fewest;
     }
     return {};
+}
+
+// Of cells that so many pixels show; where it comes to more than `most`, somewhat more than that.
+double SkyTable::count_nodes(const std::vector<CellCount>& cells, std::uint32_t fewest,
+                             double most) const {
+    std::unordered_set<Key> nodes;
+    for (const CellCount& cell : cells) {
+        if (cell.pixels < fewest) continue;
+        for (Key node : grid_.nodes_of(cell.key)) nodes.insert(node);
+        if (static_cast<double>(nodes.size()) > most) break;
+    }
+    return static_cast<double>(nodes.size());
 }
 
 // With its nodes, if all can be.

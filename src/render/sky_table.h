@@ -88,6 +88,8 @@ class SkyTable {
     }
     Key key_at(int pixel_x, int pixel_y) const;
     std::optional<std::uint32_t> fewest_pixels(const std::vector<CellCount>& cells) const;
+    double count_nodes(const std::vector<CellCount>& cells, std::uint32_t fewest,
+                       double most) const;
     void add_cell(Key cell, std::unordered_map<Key, int>& node_index);
     bool needs(const Exposure& exposure, std::size_t pixel) const;
 
