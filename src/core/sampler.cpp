@@ -48,19 +48,7 @@ constexpr std::array<Bits, kBits> direction_numbers(int block) {
 constexpr std::array<std::array<Bits, kBits>, kOwnBlocks> kDirections{direction_numbers(0),
                                                                       direction_numbers(1)};
 
-// Finalizer of MurmurHash3 (public domain) in the constants of Stafford's variant 13.
-constexpr std::uint64_t mix(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
-}
-
 }  // namespace
-
-std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
-    constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;  // 2⁶⁴/φ, as in splitmix64
-    return mix(mix(a + kGolden) ^ (b + kGolden));
-}
 
 Bits sobol(std::uint32_t index, std::uint32_t block) {
     EXPECT(block < kOwnBlocks);

@@ -3,7 +3,6 @@
 #include "malus/io/exposure_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "malus/core/digest.h"
@@ -125,11 +124,10 @@ std::filesystem::path sums_path(const std::filesystem::path& image) {
 std::string fingerprint(const Exposure& e) {
     Digest digest;
     for (const auto* counts : {&e.kept, &e.taken, &e.wanted, &e.covered, &e.votes})
-        for (std::uint32_t n : *counts) digest.add(n);
-    for (std::uint8_t share : e.open) digest.add(std::uint64_t{share});
-    for (std::int32_t i : e.instance) digest.add(static_cast<std::uint32_t>(i));
-    for (const auto* sums : {&e.stokes, &e.distance})
-        for (float sum : *sums) digest.add(std::bit_cast<std::uint32_t>(sum));
+        digest.add_all(*counts);
+    digest.add_all(e.open);
+    digest.add_all(e.instance);
+    for (const auto* sums : {&e.stokes, &e.distance}) digest.add_all(*sums);
     return digest.text();
 }
 

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "malus/core/sampler.h"
 
@@ -13,6 +16,18 @@ namespace malus {
 class Digest {
   public:
     void add(std::uint64_t value) { state_ = hash(state_, value); }
+    /// Numbers of 32 bits or fewer. One waits for the mark of the one before: every eighth has a mark of its
+    /// own, which a processor works out side by side, and the mark is of those.
+    template <class Number>
+    void add_all(const std::vector<Number>& numbers) {
+        std::array<Digest, 8> marks;
+        std::size_t i = 0;
+        for (; i + marks.size() <= numbers.size(); i += marks.size())
+            for (std::size_t k = 0; k < marks.size(); ++k) marks[k].add(bits(numbers[i + k]));
+        for (; i < numbers.size(); ++i) marks[0].add(bits(numbers[i]));
+        add(numbers.size());
+        for (const Digest& mark : marks) add(mark.state_);
+    }
     /// 16 hexadecimal digits, which depend on each value and their order.
     std::string text() const {
         char digits[17];
@@ -21,6 +36,11 @@ class Digest {
     }
 
   private:
+    static std::uint64_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
+    static std::uint64_t bits(std::uint32_t n) { return n; }
+    static std::uint64_t bits(std::int32_t n) { return static_cast<std::uint32_t>(n); }
+    static std::uint64_t bits(std::uint8_t n) { return n; }
+
     std::uint64_t state_ = 0;
 };
 

@@ -58,8 +58,18 @@ constexpr double fraction(std::uint32_t bits) {
     return (bits + 0.5) * 0x1p-32;
 }
 
+/// Finalizer of MurmurHash3 (public domain) in the constants of Stafford's variant 13.
+constexpr std::uint64_t mix(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
 /// A well-mixed 64-bit function of two 64-bit numbers.
-std::uint64_t hash(std::uint64_t a, std::uint64_t b);
+constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
+    constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;  // 2⁶⁴/φ, as in splitmix64
+    return mix(mix(a + kGolden) ^ (b + kGolden));
+}
 
 /// Which numbers: Owen-scrambled Sobol' points, or independent ones, each a hash of its place.
 enum class Sampling { kSobol, kIndependent };
