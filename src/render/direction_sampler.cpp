@@ -53,8 +53,11 @@ R visible_slope(const StretchedView<R>& view, const R& u) {
     R low = real<R>(-kSteepest), high = last;
     const GaussTail<R> at_last = gauss_tail(R(-last));
     const R area = seen_below(view, at_last), target = u * area;
-    // Exact for a view along the normal, near for others: the visible slopes' mean is shifted.
-    R X = gaussian_slope(u) - half * view.sin * (one - real<R>(0.3) * view.cos);
+    // Near enough, by a fit to visible slopes of all views and roughnesses of 0.03 to 0.5: the median is off
+    // by 0.014, the 99th percentile by 0.18.
+    const R all = gaussian_slope(u);
+    R X = all - view.sin * (real<R>(0.8639) + real<R>(0.3773) * all -
+                            view.cos * (real<R>(0.3394) + real<R>(0.2378) * all));
     // What is seen falls to 0 at the last slope: from there the root is nearly that of a square.
     const auto near_last = X > last - real<R>(0.1);
     const R beyond = (one - u) * area / max(view.sin * at_last.gauss, real<R>(1e-30));
@@ -75,7 +78,7 @@ R visible_slope(const StretchedView<R>& view, const R& u) {
         const R step = abs(next - X);
         X = next;
         // The error after a step is of its cube.
-        if (!any(step > real<R>(1e-4) * min(last - X, one))) break;
+        if (!any(step > real<R>(3e-3) * min(last - X, one))) break;
     }
     return X;
 }
