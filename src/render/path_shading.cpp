@@ -81,7 +81,7 @@ class Reflector {
 
   private:
     const Surface& surface_;
-    const Bounces by_;
+    const Bounces& by_;
 };
 
 // The sun's radiance at a pair of wavelengths.

@@ -29,28 +29,33 @@ namespace malus {
 using Rays = RayOf<Reals>;
 using BeamFrames = BeamFrameOf<Reals>;
 
-/// Reflections at vertices: from the light's frames through the facets to the next frames.
+/// Reflections at vertices: from the light's frames through the facets to the next frames. Nothing but
+/// `lit` is set at first, nor read of lanes that are not lit: to clear it all takes 3 % of a render.
 struct Bounces {
+    Bounces() {}
     FacetGeometry<Lanes> facet;
     TurnOf<Lanes> in, out;
     Lanes weight;      ///< sr; 0: no light this way
     unsigned lit = 0;  ///< lanes with a weight
 };
 
-/// Surfaces met by paths, one a lane; lanes beyond the last path repeat the first.
+/// Surfaces met by paths, one a lane; lanes beyond the last path repeat the first. As with Bounces only
+/// what says what there is to be read is set at first.
 struct Vertices {
+    Vertices() {}
     std::array<int, kSide> surface;  ///< index into the scene's
     Bounces sky_sample;              ///< directions drawn by the sky's brightness
     std::array<SkyLookup, kSide> sky_sample_light;
-    unsigned sky_sample_seen;  ///< lanes whose light arrives; of what an open sky would bring, all
-    Bounces sun_sample;        ///< directions to the sun's disc
-    Bounces onward;            ///< directions drawn by the surfaces' lobes
+    unsigned sky_sample_seen =
+        0;               ///< lanes whose light arrives; of what an open sky would bring, all
+    Bounces sun_sample;  ///< directions to the sun's disc
+    Bounces onward;      ///< directions drawn by the surfaces' lobes
     std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
-    unsigned onward_seen;                       ///< lanes where they do
+    unsigned onward_seen = 0;                   ///< lanes where they do
     Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight
-    unsigned meets_sun;           ///< lanes with such a weight
+    unsigned meets_sun = 0;       ///< lanes with such a weight
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
-    bool open;                    ///< is it wanted, too, what an open sky would bring? Then:
+    bool open = false;            ///< is it wanted, too, what an open sky would bring? Then:
     Bounces behind;               ///< onward, from the sky behind what is in its way
     std::array<SkyLookup, kSide> behind_light;
 };
