@@ -11,11 +11,11 @@ namespace malus {
 namespace {
 
 // Pixels that a group has for each node. Those of bent surfaces, of which a pixel needs many, serve
-// others, too.
-constexpr double kFacePixels = 4, kBentPixels = 1;
+// others, too; with many wavelengths to read them all takes longer than to trace paths.
+constexpr double kFacePixels = 4, kBentPixels = 1, kBentWavelengths = 8;
 constexpr double kMostMemory = 0x1p28;  // bytes, of a group's nodes
 constexpr double kSamples = 1;          // of T, for each sample of the pixels
-constexpr double kLeast = 2;            // of T, for each sample of the pixel that wants most
+constexpr double kLeast = 1;            // of T, for each sample of the pixel that wants most
 // Of a pixel, at the end of the round in which the last of them say what it needs.
 constexpr std::uint32_t kEarly = 4;
 
@@ -76,7 +76,8 @@ void SkyTable::settle() {
 // How many pixels a cell of a group must have for their nodes to be worth their while; nothing where that
 // will not do.
 std::optional<std::uint32_t> SkyTable::fewest_pixels(const std::vector<CellCount>& cells) const {
-    const double pixels_per_node = grid_.of_face(cells[0].key) ? kFacePixels : kBentPixels;
+    const double many = std::max(1.0, static_cast<double>(row_) / (4 * kBentWavelengths));
+    const double pixels_per_node = grid_.of_face(cells[0].key) ? kFacePixels : kBentPixels * many;
     const double memory =
         kMostMemory / static_cast<double>(replicates_ * row_ * (sizeof(double) + sizeof(float)));
     for (std::uint32_t fewest = 1; fewest <= 64; fewest *= 4) {

@@ -197,6 +197,35 @@ TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[ren
     }
 }
 
+// Of a panel, or of a surface that is nowhere flat.
+Vec3 normal_at(bool face, int x, int y) {
+    return face ? Vec3{0, 1, 0} : normalize(Vec3{0.002 * x - 0.1, 1, 0.2 - 0.003 * y});
+}
+void look_at_normals(bool face, const RenderSettings& settings, SkyTable& table) {
+    for (int y = 0; y < settings.height; ++y)
+        for (int x = 0; x < settings.width; ++x) table.look(x, y, 0, normal_at(face, x, y));
+    table.settle();
+}
+
+TEST_CASE("Sky table: nodes of bent surfaces are for few wavelengths", "[render]") {
+    // With many wavelengths it takes longer to read all nodes of a pixel than to trace its paths.
+    for (const std::size_t count : {2u, 64u})
+        for (const bool face : {true, false}) {
+            std::vector<double> nm;
+            for (std::size_t i = 0; i < count; ++i)
+                nm.push_back(440 + 2.5 * static_cast<double>(i));
+            const PreparedScene scene(panel_scene(), {0}, {black_paint()},
+                                      sample_sky(smooth_sky(), nm, 18, 72), nm);
+            const Camera camera = near_view(60, 160, {0, 0, 0}, 12);
+            RenderSettings settings = small();
+            settings.width = 96, settings.height = 72;
+            SkyTable table(scene.impl(), camera, settings);
+            look_at_normals(face, settings, table);
+            CAPTURE(count, face, table.node_count());
+            CHECK((table.node_count() > 0) == (face || count == 2));
+        }
+}
+
 TEST_CASE("Sky table: between nodes T is the quadrature, on faces and bent surfaces", "[render]") {
     // Nodes hold quadratures, so that what is left is the interpolation's.
     const std::vector<double> two{440, 600};
@@ -209,12 +238,8 @@ TEST_CASE("Sky table: between nodes T is the quadrature, on faces and bent surfa
             settings.width = 96, settings.height = 72, settings.replicates = 2;
             SkyTable table(scene.impl(), camera, settings);
             const Picture picture(camera, settings.width, settings.height);
-            const auto normal = [&](int x, int y) {
-                return face ? Vec3{0, 1, 0} : normalize(Vec3{0.002 * x - 0.1, 1, 0.2 - 0.003 * y});
-            };
-            for (int y = 0; y < settings.height; ++y)
-                for (int x = 0; x < settings.width; ++x) table.look(x, y, 0, normal(x, y));
-            table.settle();
+            const auto normal = [&](int x, int y) { return normal_at(face, x, y); };
+            look_at_normals(face, settings, table);
             REQUIRE(table.node_count() > 0);
             const auto quadrature = [&](const Vec3& n, const Vec3& wo, double nm) {
                 return reference::panel(reference_paint(*paint, nm), n, wo,
