@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "render/gaussian.h"
-
 namespace malus {
 namespace {
 
@@ -40,18 +38,14 @@ template <class R>
 R seen_below(const StretchedView<R>& view, const GaussTail<R>& minus_X) {
     return real<R>(0.5) * (view.cos * minus_X.erfc + view.sin * minus_X.gauss);
 }
-template <class R>
-R seen_area(const StretchedView<R>& view) {
-    return seen_below(view, gauss_tail(R(-last_slope(view))));
-}
 
 // X with seen_below(X) = u · seen_below(last): Halley's method kept inside a shrinking bracket.
+// `at_last`: of −last_slope().
 template <class R>
-R visible_slope(const StretchedView<R>& view, const R& u) {
+R visible_slope(const StretchedView<R>& view, const GaussTail<R>& at_last, const R& u) {
     using std::abs, std::max, std::min, std::sqrt;
     const R half = real<R>(0.5), one = real<R>(1), last = last_slope(view);
     R low = real<R>(-kSteepest), high = last;
-    const GaussTail<R> at_last = gauss_tail(R(-last));
     const R area = seen_below(view, at_last), target = u * area;
     // Near enough, by a fit to visible slopes of all views and roughnesses of 0.03 to 0.5: the median is off
     // by 0.014, the 99th percentile by 0.18.
@@ -99,11 +93,12 @@ Vector3<R> cosine_hemisphere(const R& u1, const R& u2) {
 
 // A facet normal of the Beckmann distribution as seen from wo.
 template <class R>
-Vector3<R> visible_normal(const Vector3<R>& wo, const R& sigma, const R& u1, const R& u2) {
+Vector3<R> visible_normal(const Vector3<R>& wo, const R& sigma, const GaussTail<R>& at_last,
+                          const R& u1, const R& u2) {
     using std::sqrt;
     const R one = real<R>(1), zero = real<R>(0);
     const R alpha = real<R>(std::sqrt(2.0)) * sigma;
-    const R along = alpha * visible_slope(stretched(wo, alpha), u1);
+    const R along = alpha * visible_slope(stretched(wo, alpha), at_last, u1);
     const R across = alpha * gaussian_slope(u2);
     // Slopes are along and across the view's azimuth; the normal is (−slope, 1).
     const R r = sqrt(wo.x * wo.x + wo.y * wo.y);
@@ -231,9 +226,11 @@ DirectionSampler::View<R>::View(const DirectionSampler& sampler, const Vector3<R
     volume_share_ = between([](const Shares& shares) { return shares.volume; });
     for (std::size_t j = 0; j < sampler.sigmas_.size(); ++j) {
         lobe_share_[j] = between([j](const Shares& shares) { return shares.lobe[j]; });
+        at_last_[j] = {};
         if (sampler.slopes_ != Slopes::kGaussian) continue;
         const StretchedView<R> view = stretched(wo, real<R>(std::sqrt(2.0) * sampler.sigmas_[j]));
-        visible_area_[j] = view.length * seen_area(view);
+        at_last_[j] = gauss_tail(R(-last_slope(view)));
+        visible_area_[j] = view.length * seen_below(view, at_last_[j]);
     }
 }
 
@@ -244,12 +241,17 @@ Vector3<R> DirectionSampler::View<R>::sample(const R& u_lobe, const R& u1, const
     const auto by_volume = rest < zero;
     if (sampler_.sigmas_.empty()) return cosine_hemisphere(u1, u2);
     R sigma = real<R>(sampler_.sigmas_.front());
+    GaussTail<R> at_last = at_last_.front();
     for (std::size_t j = 0; j + 1 < sampler_.sigmas_.size(); ++j) {
         rest = rest - lobe_share_[j];
-        sigma = select(rest >= zero, real<R>(sampler_.sigmas_[j + 1]), sigma);
+        const auto further = rest >= zero;
+        sigma = select(further, real<R>(sampler_.sigmas_[j + 1]), sigma);
+        at_last = {select(further, at_last_[j + 1].gauss, at_last.gauss),
+                   select(further, at_last_[j + 1].erfc, at_last.erfc)};
     }
-    const Vector3<R> h = sampler_.slopes_ == Slopes::kGaussian ? visible_normal(wo_, sigma, u1, u2)
-                                                               : cauchy_normal(sigma, u1, u2);
+    const Vector3<R> h = sampler_.slopes_ == Slopes::kGaussian
+                             ? visible_normal(wo_, sigma, at_last, u1, u2)
+                             : cauchy_normal(sigma, u1, u2);
     const Vector3<R> wi = reflect(wo_, h);
     return any(by_volume) ? select(by_volume, cosine_hemisphere(u1, u2), wi) : wi;
 }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "malus/optics/priest_germer.h"
+#include "render/gaussian.h"
 #include "render/lanes.h"
 
 namespace malus {
@@ -56,7 +57,9 @@ class DirectionSampler {
         Vector3<R> wo_;
         R volume_share_;
         std::array<R, kMostLobes> lobe_share_;
-        std::array<R, kMostLobes> visible_area_;  // A(wo) of each Gaussian lobe
+        // Of each Gaussian lobe: e^{−x²}/√π and erfc(x) at minus the steepest slope seen, and A(wo).
+        std::array<GaussTail<R>, kMostLobes> at_last_;
+        std::array<R, kMostLobes> visible_area_;
     };
 
   private:

@@ -164,11 +164,10 @@ void PixelExposure::end_sample() {
     distance_ = rounded(distance_);
 }
 
-Stokes<double> PixelExposure::replicate_mean(std::size_t replicate, std::size_t wavelength) const {
+Stokes<double> PixelExposure::sum(std::size_t replicate, std::size_t wavelength) const {
     const double* sums = sums_.data() + wavelength * replicates_ + replicate;
     const std::size_t next = wavelengths_ * replicates_;
-    return (1.0 / kept_[replicate]) *
-           Stokes<double>{sums[0], sums[next], sums[2 * next], sums[3 * next]};
+    return {sums[0], sums[next], sums[2 * next], sums[3 * next]};
 }
 
 // What chance may have put above |(S1,S2,S3)| = S0 where the sky table's differences are in the
@@ -185,24 +184,35 @@ void PixelExposure::develop(Film& film, std::size_t pixel, double open_error) co
     film.coverage[pixel] = taken_ ? static_cast<float>(covered_ / seen) : 0;
     film.distance[pixel] = covered_ ? static_cast<float>(distance_ / covered_) : 0;
     film.samples[pixel] = 0;
-    double R = 0;  // a replicate of which all samples were refused has no mean to take part
-    for (std::uint32_t kept : kept_) film.samples[pixel] += kept, R += kept > 0;
+    // A replicate of which all samples were refused has no mean to take part.
+    struct Part {
+        std::size_t replicate;
+        double sample;  // what each counts in the mean
+        Stokes<double> mean;
+    };
+    std::vector<Part> parts;
+    for (std::size_t r = 0; r < replicates_; ++r) {
+        film.samples[pixel] += kept_[r];
+        if (kept_[r] > 0) parts.push_back({r, 1.0 / kept_[r], {}});
+    }
+    const auto R = static_cast<double>(parts.size());
     if (R == 0) return;
+    const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
     for (std::size_t w = 0; w < wavelengths_; ++w) {
         PixelStokes& out = film.stokes[pixel * wavelengths_ + w];
         out = {};
         out.replicates = static_cast<float>(R);
-        for (std::size_t r = 0; r < replicates_; ++r)
-            if (kept_[r] > 0) out.mean = out.mean + (1 / R) * replicate_mean(r, w);
+        for (Part& part : parts) {
+            part.mean = part.sample * sum(part.replicate, w);
+            out.mean = out.mean + (1 / R) * part.mean;
+        }
         std::array<double, 7> C{};
-        for (std::size_t r = 0; r < replicates_; ++r) {
-            if (kept_[r] == 0) continue;
-            const Stokes<double> d = replicate_mean(r, w) + -1.0 * out.mean;
+        for (const Part& part : parts) {
+            const Stokes<double> d = part.mean + -1.0 * out.mean;
             const std::array<double, 7> products{d.s0 * d.s0, d.s0 * d.s1, d.s0 * d.s2, d.s1 * d.s1,
                                                  d.s1 * d.s2, d.s2 * d.s2, d.s3 * d.s3};
             for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
         }
-        const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
         const std::array<double, 7> of_open =
             is_open(w) ? variances(out.mean, open_error) : std::array<double, 7>{};
         for (std::size_t e = 0; e < C.size(); ++e)

@@ -9,16 +9,21 @@ using Light = Stokes<Lanes>;
 
 // Blocks: [S0..S3][wavelength][lane], padded to whole registers.
 
-// What comes from places of a sky, SkyDome or SkyEmitter: rows of a place, then transposed.
+// What comes from places of a sky, SkyDome or SkyEmitter: rows of a place, then transposed. Of lanes that
+// are not wanted 0.
 template <class Rows>
-void sky_light(const Rows& sky, const std::array<SkyLookup, kSide>& at, std::size_t wavelengths,
-               float* block) {
+void sky_light(const Rows& sky, const std::array<SkyLookup, kSide>& at, unsigned wanted,
+               std::size_t wavelengths, float* block) {
     std::array<std::array<const float*, 4>, kSide> node;
     for (std::size_t i = 0; i < kSide; ++i)
         for (std::size_t k = 0; k < 4; ++k) node[i][k] = sky.row(at[i].node[k], 0);
     for (std::size_t j = 0; j < 4 * wavelengths; j += Lanes::size) {
         std::array<Lanes, kSide> rows;
         for (std::size_t i = 0; i < kSide; ++i) {
+            if (!(wanted >> i & 1)) {
+                rows[i] = Lanes(0.f);
+                continue;
+            }
             const auto& weight = at[i].weight;  // 0 where the sky is black
             rows[i] = Lanes(weight[0]) * Lanes::load_unaligned(node[i][0] + j) +
                       Lanes(weight[1]) * Lanes::load_unaligned(node[i][1] + j) +
@@ -90,6 +95,13 @@ Lanes sun_light(const SunDisc& sun, std::size_t p) {
     return lanewise<Lanes>([&](std::size_t i) { return radiance[i < kSide ? 0 : 1]; });
 }
 
+// The lanes whose light comes from vertices of the next level.
+unsigned leads_on(const Vertices& at) {
+    unsigned lanes = 0;
+    for (std::size_t i = 0; i < kSide; ++i) lanes |= (at.next[i] >= 0 ? 1u : 0u) << i;
+    return lanes;
+}
+
 Light only(const Lanes::batch_bool_type& here, const Light& S) {
     const Lanes none(0.f);
     return {select(here, S.s0, none), select(here, S.s1, none), select(here, S.s2, none),
@@ -123,9 +135,13 @@ void PathTracer::shade_level(int depth, Paths& paths) const {
     float* const behind = sky + block;
     for (std::size_t v = 0; v < level.vertices.size(); ++v) {
         const Vertices& at = level.vertices[v];
-        if (at.sky_sample.lit) sky_light(scene_.sky, at.sky_sample_light, wavelengths, sky);
-        if (at.onward.lit) sky_light(scene_.sky, at.onward_light, wavelengths, onward);
-        if (at.open && at.behind.lit) sky_light(scene_.sky, at.behind_light, wavelengths, behind);
+        if (at.sky_sample.lit)
+            sky_light(scene_.sky, at.sky_sample_light, at.sky_sample.lit, wavelengths, sky);
+        if (at.onward.lit)
+            sky_light(scene_.sky, at.onward_light, at.onward.lit & ~leads_on(at), wavelengths,
+                      onward);
+        if (at.open && at.behind.lit)
+            sky_light(scene_.sky, at.behind_light, at.behind.lit, wavelengths, behind);
         for (std::size_t i = 0; i < kSide; ++i) {
             if (at.next[i] < 0) continue;
             const float* next = paths.light_of(depth + 1, at.next[i], wavelengths);
@@ -188,7 +204,7 @@ void PathTracer::shade_views(Paths& paths) const {
         if (at.surface == kAllLanes) continue;
         float* const light = &paths.view_light_[v * block];
         float* const seen = paths.arriving(block);
-        sky_light(scene_.sky.dome(), at.sky, wavelengths, seen);
+        sky_light(scene_.sky.dome(), at.sky, ~at.surface & kAllLanes, wavelengths, seen);
         const auto sun = lanes_mask_of(at.sun);
         for (std::size_t p = 0; p < pairs(wavelengths); ++p) {
             Light S = turned(pair_of(seen, p, wavelengths), at.turn);

@@ -46,10 +46,9 @@ struct Vertices {
     std::array<int, kSide> surface;  ///< index into the scene's
     Bounces sky_sample;              ///< directions drawn by the sky's brightness
     std::array<SkyLookup, kSide> sky_sample_light;
-    unsigned sky_sample_seen =
-        0;               ///< lanes whose light arrives; of what an open sky would bring, all
-    Bounces sun_sample;  ///< directions to the sun's disc
-    Bounces onward;      ///< directions drawn by the surfaces' lobes
+    unsigned sky_sample_seen = 0;  ///< lanes whose light arrives; an open sky would light all
+    Bounces sun_sample;            ///< directions to the sun's disc
+    Bounces onward;                ///< directions drawn by the surfaces' lobes
     std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
     unsigned onward_seen = 0;                   ///< lanes where they do
     Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight

@@ -102,7 +102,7 @@ class PixelExposure {
     bool is_open(std::size_t wavelength) const;  // for any replicate
     double noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
                                 double norm) const;
-    Stokes<double> replicate_mean(std::size_t replicate, std::size_t wavelength) const;
+    Stokes<double> sum(std::size_t replicate, std::size_t wavelength) const;
 };
 
 }  // namespace malus
