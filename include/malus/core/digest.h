@@ -16,8 +16,8 @@ namespace malus {
 class Digest {
   public:
     void add(std::uint64_t value) { state_ = hash(state_, value); }
-    /// Numbers of 32 bits or fewer. One waits for the mark of the one before: every eighth has a mark of its
-    /// own, which a processor works out side by side, and the mark is of those.
+    /// Numbers of 32 bits or fewer. One after another they would each wait for the one before: every eighth
+    /// goes to a mark of its own, side by side, and the mark is of these eight and the count.
     template <class Number>
     void add_all(const std::vector<Number>& numbers) {
         std::array<Digest, 8> marks;
