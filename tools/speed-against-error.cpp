@@ -492,7 +492,6 @@ void parse_and_run(int argc, char** argv) {
     Options options;
     CLI::App app{
         "Measure error against seconds and rays: several methods on shipped scenes and on some "
-        "that are "
         "made on the spot, beside a reference that is converged far beyond.",
         "speed-against-error"};
     CLI::Option* width = app.add_option("--width", options.width, "Columns, pixels");

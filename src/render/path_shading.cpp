@@ -95,13 +95,6 @@ Lanes sun_light(const SunDisc& sun, std::size_t p) {
     return lanewise<Lanes>([&](std::size_t i) { return radiance[i < kSide ? 0 : 1]; });
 }
 
-// The lanes whose light comes from vertices of the next level.
-unsigned leads_on(const Vertices& at) {
-    unsigned lanes = 0;
-    for (std::size_t i = 0; i < kSide; ++i) lanes |= (at.next[i] >= 0 ? 1u : 0u) << i;
-    return lanes;
-}
-
 Light only(const Lanes::batch_bool_type& here, const Light& S) {
     const Lanes none(0.f);
     return {select(here, S.s0, none), select(here, S.s1, none), select(here, S.s2, none),
@@ -138,10 +131,9 @@ void PathTracer::shade_level(int depth, Paths& paths) const {
         if (at.sky_sample.lit)
             sky_light(scene_.sky, at.sky_sample_light, at.sky_sample.lit, wavelengths, sky);
         if (at.onward.lit)
-            sky_light(scene_.sky, at.onward_light, at.onward.lit & ~leads_on(at), wavelengths,
-                      onward);
+            sky_light(scene_.sky, at.onward_light, at.onward_seen, wavelengths, onward);
         if (at.open && at.behind.lit)
-            sky_light(scene_.sky, at.behind_light, at.behind.lit, wavelengths, behind);
+            sky_light(scene_.sky, at.onward_light, at.behind.lit, wavelengths, behind);
         for (std::size_t i = 0; i < kSide; ++i) {
             if (at.next[i] < 0) continue;
             const float* next = paths.light_of(depth + 1, at.next[i], wavelengths);

@@ -289,8 +289,6 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
 
     vertices.onward_seen = seen;
     vertices.onward_light = at.onward_lights.at;
-    for (std::size_t i = 0; i < kSide; ++i)
-        if (!(seen >> i & 1)) vertices.onward_light[i] = {};
     const Reals weight =
         light_weight(at.onward_lights.pdf, at.onward_by_surface, Lighting::kSurfaceSamples);
     const Mask to_surface = mask_of(hit), to_sky = mask_of(seen);
@@ -311,7 +309,6 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     if (at.open) {
         const unsigned behind = at.onward_drawn & ~seen & bits(wi.y >= zero);
         if (behind) vertices.behind = directions(at, wi, weight, behind).bounces;
-        vertices.behind_light = at.onward_lights.at;
     }
     vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
 }
@@ -356,6 +353,7 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         vertices.onward_light = at.onward_lights.at;
         vertices.onward =
             reflected(at.onward, at.onward_lights, at.onward_by_surface, at.onward_drawn);
+        vertices.onward_seen = vertices.onward.lit;
         vertices.sky_sample_light = at.sky.lights.at;
         vertices.sky_sample =
             reflected(at.sky.w, at.sky.lights, at.sky_by_surface, bits(at.sky.lights.pdf > zero));

@@ -49,14 +49,13 @@ struct Vertices {
     unsigned sky_sample_seen = 0;  ///< lanes whose light arrives; an open sky would light all
     Bounces sun_sample;            ///< directions to the sun's disc
     Bounces onward;                ///< directions drawn by the surfaces' lobes
-    std::array<SkyLookup, kSide> onward_light;  ///< where they lead to the sky
-    unsigned onward_seen = 0;                   ///< lanes where they do
+    std::array<SkyLookup, kSide> onward_light;  ///< where they meet the sky, or would
+    unsigned onward_seen = 0;                   ///< lanes where they meet it
     Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight
     unsigned meets_sun = 0;       ///< lanes with such a weight
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
     bool open = false;            ///< is it wanted, too, what an open sky would bring? Then:
     Bounces behind;               ///< onward, from the sky behind what is in its way
-    std::array<SkyLookup, kSide> behind_light;
 };
 
 /// What the detector sees along rays, before any surface.

@@ -50,6 +50,16 @@ double median_error(const Film& film) {
     return median(std::move(errors));
 }
 
+// Of a panel, or of a surface that is nowhere flat.
+Vec3 normal_at(bool face, int x, int y) {
+    return face ? Vec3{0, 1, 0} : normalize(Vec3{0.002 * x - 0.1, 1, 0.2 - 0.003 * y});
+}
+void look_at_normals(bool face, const RenderSettings& settings, SkyTable& table) {
+    for (int y = 0; y < settings.height; ++y)
+        for (int x = 0; x < settings.width; ++x) table.look(x, y, 0, normal_at(face, x, y));
+    table.settle();
+}
+
 }  // namespace
 
 TEST_CASE("Sky table: on an open panel the quadrature, with a tenth of the error", "[render]") {
@@ -195,16 +205,6 @@ TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[ren
         CHECK(std::abs(mean[1] - mean[0]) < 4 * std::sqrt(variance[0] + variance[1]));
         CHECK(4 * std::sqrt(variance[0] + variance[1]) < 0.005 * sum[0][q / 3 * 3] / kSeeds);
     }
-}
-
-// Of a panel, or of a surface that is nowhere flat.
-Vec3 normal_at(bool face, int x, int y) {
-    return face ? Vec3{0, 1, 0} : normalize(Vec3{0.002 * x - 0.1, 1, 0.2 - 0.003 * y});
-}
-void look_at_normals(bool face, const RenderSettings& settings, SkyTable& table) {
-    for (int y = 0; y < settings.height; ++y)
-        for (int x = 0; x < settings.width; ++x) table.look(x, y, 0, normal_at(face, x, y));
-    table.settle();
 }
 
 TEST_CASE("Sky table: nodes of bent surfaces are for few wavelengths", "[render]") {
