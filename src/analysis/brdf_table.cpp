@@ -73,15 +73,15 @@ BrdfValue brdf_at(const PaintModel& paint, const SurfaceDirection& light,
     const Reflection r = reflection(kUp, vector_of(light), vector_of(view));
     EXPECT(r.cos_i > kHorizon && r.cos_o > -kHorizon);
     const bool attenuated = paint.attenuation == Attenuation::kTorranceSparrow;
-    BrdfValue value{
-        slope_distribution(paint.slopes, paint.p.B, paint.p.sigma, r.cos_theta, r.tan2_theta),
-        shadowing(paint.p.tau, paint.p.inv_omega, r.theta, r.beta),
-        attenuated ? std::max(0.0, torrance_sparrow(r)) : 1,
-        r.theta,
-        r.beta,
-        {},
-        turn_between(meridian_in(light), r.in),
-        turn_between(r.out, meridian_out(view))};
+    const PreparedPriestGermer<double> surface = prepared(paint.p, paint.slopes);
+    BrdfValue value{surface.P(paint.slopes, 1 / r.cos_theta, r.tan2_theta),
+                    surface.SO(r.theta, r.beta),
+                    attenuated ? std::max(0.0, torrance_sparrow(r)) : 1,
+                    r.theta,
+                    r.beta,
+                    {},
+                    turn_between(meridian_in(light), r.in),
+                    turn_between(r.out, meridian_out(view))};
     if (r.cos_o > kHorizon) value.f = eval(paint.p, paint.slopes, paint.attenuation, r);
     return value;
 }

@@ -49,6 +49,21 @@ struct Conversion<Lanes, Reals> {
     }
 };
 
+#if defined(__AVX512F__)
+/// An estimate of 14 bits and one step of Newton's method.
+template <>
+struct Inverses<Lanes> {
+    static Lanes of(const Lanes& x) {
+        const Lanes estimate = _mm512_rcp14_ps(x);
+        return estimate + estimate * (Lanes(1.f) - estimate * x);
+    }
+    static Lanes of_sqrt(const Lanes& x) {
+        const Lanes estimate = _mm512_rsqrt14_ps(x);
+        return estimate + Lanes(0.5f) * estimate * (Lanes(1.f) - estimate * x * estimate);
+    }
+};
+#endif
+
 /// Rounded to floats, kSide of them.
 inline void store_floats(const Reals& x, float* to) {
 #if defined(__AVX512F__)

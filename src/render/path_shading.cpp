@@ -81,7 +81,7 @@ class Reflector {
 
     Light operator()(std::size_t pair, const Light& S) const {
         const BrdfMueller<Lanes> f = eval(surface_.lanes(pair), surface_.slopes(), by_.facet);
-        return turned(by_.weight * (f * at_least_polarized(turned(S, by_.in))), by_.out);
+        return turned(f * at_least_polarized(turned(S, by_.in)), by_.out);
     }
 
   private:

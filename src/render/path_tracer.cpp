@@ -26,10 +26,10 @@ Directions directions(const Meeting& at, const Vec3s& wi, const Reals& weight, u
     const Vec3s w = select(used, wi, at.hit.n);  // any sound direction
     Directions to;
     to.geometry = reflection(at.hit.n, w, at.wo);
-    to.bounces.facet = facet_geometry<Lanes>(at.attenuated, to.geometry);
+    to.bounces.facet = facet_geometry<Lanes>(at.attenuated, to.geometry,
+                                             select(used, to.geometry.cos_i * weight, Reals(0.0)));
     to.bounces.in = lanes_of(turn_between(fixed_frame_above(w), to.geometry.in));
     to.bounces.out = lanes_of(turn_between(to.geometry.out, at.toward));
-    to.bounces.weight = real<Lanes>(select(used, to.geometry.cos_i * weight, Reals(0.0)));
     to.bounces.lit = lit;
     return to;
 }

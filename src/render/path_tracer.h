@@ -33,9 +33,8 @@ using BeamFrames = BeamFrameOf<Reals>;
 /// `lit` is set at first, nor read of lanes that are not lit: to clear it all takes 3 % of a render.
 struct Bounces {
     Bounces() {}
-    FacetGeometry<Lanes> facet;
+    FacetGeometry<Lanes> facet;  ///< weight: sr; 0: no light this way
     TurnOf<Lanes> in, out;
-    Lanes weight;      ///< sr; 0: no light this way
     unsigned lit = 0;  ///< lanes with a weight
 };
 
@@ -51,7 +50,7 @@ struct Vertices {
     Bounces onward;                ///< directions drawn by the surfaces' lobes
     std::array<SkyLookup, kSide> onward_light;  ///< where they meet the sky, or would
     unsigned onward_seen = 0;                   ///< lanes where they meet it
-    Lanes onward_sun;             ///< weight of the sun's light there, in onward.weight
+    Lanes onward_sun;             ///< weight of the sun's light there, in onward.facet.weight
     unsigned meets_sun = 0;       ///< lanes with such a weight
     std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
     bool open = false;            ///< is it wanted, too, what an open sky would bring? Then:

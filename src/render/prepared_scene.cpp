@@ -17,12 +17,23 @@ std::vector<PriestGermer<double>> rows_at(const Material& material,
     return rows;
 }
 
-// One parameter of a pair of wavelengths; where there is no second, the first stands for it.
-Lanes load(const std::vector<PriestGermer<double>>& rows, std::size_t pair,
-           double PriestGermer<double>::*parameter) {
-    return lanewise<Lanes>([&](std::size_t i) {
-        return rows[std::min(2 * pair + i / kSide, rows.size() - 1)].*parameter;
-    });
+// Registers of a pair of wavelengths; where there is no second, the first stands for it.
+PreparedPriestGermer<Lanes> in_lanes(const std::vector<PreparedPriestGermer<double>>& rows,
+                                     std::size_t pair) {
+    const auto lanes = [&](const auto& parameter) {
+        return lanewise<Lanes>([&](std::size_t i) {
+            return parameter(rows[std::min(2 * pair + i / kSide, rows.size() - 1)]);
+        });
+    };
+    using P = PreparedPriestGermer<double>;
+    return {
+        {lanes([](const P& p) { return p.contrast.re; }),
+         lanes([](const P& p) { return p.contrast.im; })},
+        {lanes([](const P& p) { return p.P.peak; }), lanes([](const P& p) { return p.P.width; })},
+        {lanes([](const P& p) { return p.SO.fall; }),
+         lanes([](const P& p) { return p.SO.inv_omega; })},
+        lanes([](const P& p) { return p.rho_d; }),
+        lanes([](const P& p) { return p.rho_v; })};
 }
 
 // Least RMS slope of a paint that reflects by facets; infinity where it does not.
@@ -50,13 +61,10 @@ Surface::Surface(const Material& material, std::span<const double> wavelengths_n
       attenuation_(material.attenuation),
       directions_(rows_at(material, wavelengths_nm), material.slopes),
       sharpest_slope_(malus::sharpest_slope(material, wavelengths_nm)) {
-    using P = PriestGermer<double>;
-    const auto rows = rows_at(material, wavelengths_nm);
-    for (std::size_t i = 0; i < pairs(rows.size()); ++i)
-        rows_.push_back({load(rows, i, &P::n), load(rows, i, &P::k), load(rows, i, &P::B),
-                         load(rows, i, &P::sigma), load(rows, i, &P::tau),
-                         load(rows, i, &P::inv_omega), load(rows, i, &P::rho_d),
-                         load(rows, i, &P::rho_v)});
+    std::vector<PreparedPriestGermer<double>> rows;
+    for (const auto& row : rows_at(material, wavelengths_nm))
+        rows.push_back(prepared(row, slopes_));
+    for (std::size_t i = 0; i < pairs(rows.size()); ++i) rows_.push_back(in_lanes(rows, i));
 }
 
 PreparedScene::Impl::Impl(Scene s, std::vector<int> p, const std::vector<Material>& materials,

@@ -26,14 +26,14 @@ class Surface {
     /// Is its sharpest lobe narrower than what the sky's light differs over?
     bool sharp() const { return sharpest_slope_ < 0.25; }
     /// Parameters at wavelengths 2 pair and 2 pair + 1.
-    const PriestGermer<Lanes>& lanes(std::size_t pair) const { return rows_[pair]; }
+    const PreparedPriestGermer<Lanes>& lanes(std::size_t pair) const { return rows_[pair]; }
 
   private:
     Slopes slopes_;
     Attenuation attenuation_;
     DirectionSampler directions_;
     double sharpest_slope_;
-    std::vector<PriestGermer<Lanes>> rows_;
+    std::vector<PreparedPriestGermer<Lanes>> rows_;
 };
 
 struct PreparedScene::Impl {

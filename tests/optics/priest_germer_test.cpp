@@ -87,8 +87,9 @@ TEST_CASE("Slopes: the Gaussian distribution of facets integrates to B for every
             const double dt = 12 * row.p.sigma / steps;
             for (int i = 0; i < steps; ++i) {
                 const double t = (i + 0.5) * dt, c = 1 / std::sqrt(1 + t * t);
-                sum += slope_distribution(Slopes::kGaussian, row.p.B, row.p.sigma, c, t * t) * 2 *
-                       kPi * t * c * c * c * dt;
+                sum += slope_distribution(Slopes::kGaussian, row.p.B, row.p.sigma)(
+                           Slopes::kGaussian, 1 / c, t * t) *
+                       2 * kPi * t * c * c * c * dt;
             }
             CHECK(sum == Approx(row.p.B).epsilon(1e-6));
         }
@@ -96,8 +97,10 @@ TEST_CASE("Slopes: the Gaussian distribution of facets integrates to B for every
 
 TEST_CASE("Slopes: the peak of green 550 nm is the study's 0.2255") {
     const auto p = parameters_at(green_paint(), 550);
-    CHECK(slope_distribution(Slopes::kGaussian, p.B, p.sigma, 1, 0) == near(0.2255, 5e-5));
-    CHECK(slope_distribution(Slopes::kCauchy, 2.0, 0.5, 0.8, 0.5625) == Approx(2 / (0.8 * 0.8125)));
+    const auto gaussian = slope_distribution(Slopes::kGaussian, p.B, p.sigma);
+    CHECK(gaussian(Slopes::kGaussian, 1, 0) == near(0.2255, 5e-5));
+    const auto cauchy = slope_distribution(Slopes::kCauchy, 2.0, 0.5);
+    CHECK(cauchy(Slopes::kCauchy, 1 / 0.8, 0.5625) == Approx(2 / (0.8 * 0.8125)));
 }
 
 TEST_CASE("Decay: e^x for x ≤ 0, 0 where numbers end") {
@@ -107,10 +110,10 @@ TEST_CASE("Decay: e^x for x ≤ 0, 0 where numbers end") {
 
 TEST_CASE("Shadowing: none at exact specular and at exact retro-reflection") {
     const double tau = to_radians(47.56), inv_omega = 1 / to_radians(0.0741);
-    CHECK(shadowing(tau, inv_omega, 0, 0.7) == 1);
-    CHECK(shadowing(tau, inv_omega, 0.4, 0) == near(1, 1e-15));
+    CHECK(shadowing(tau, inv_omega)(0, 0.7) == 1);
+    CHECK(shadowing(tau, inv_omega)(0.4, 0) == near(1, 1e-15));
     // A hand calculation: θ = Ω, β = τ/2: (1 + e⁻¹)/2.
-    CHECK(shadowing(0.3, 1 / 0.2, 0.2, 0.15) == Approx((1 + std::exp(-1.0)) / 2));
+    CHECK(shadowing(0.3, 1 / 0.2)(0.2, 0.15) == Approx((1 + std::exp(-1.0)) / 2));
 }
 
 TEST_CASE("Torrance-Sparrow: perfect facets reflect no more than they receive") {
@@ -217,7 +220,8 @@ TEST_CASE("Retro-reflection: the limit holds at the point and beside it") {
     // turns over with the beam.
     const Reflection r = reflection(kNormal, wo, wo);
     const double R = (sqr(p.n - 1) + sqr(p.k)) / (sqr(p.n + 1) + sqr(p.k));
-    const double P = slope_distribution(Slopes::kGaussian, p.B, p.sigma, r.cos_theta, r.tan2_theta);
+    const double P =
+        prepared(p, Slopes::kGaussian).P(Slopes::kGaussian, 1 / r.cos_theta, r.tan2_theta);
     const double f = R * P / (4 * sqr(r.cos_i));
     for (double beside : {0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-3}) {
         const Vec3 wi = normalize(wo + beside * normalize(across + 0.5 * cross(wo, across)));

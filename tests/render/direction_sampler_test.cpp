@@ -94,8 +94,8 @@ TEST_CASE("Surface sampling: a mirror of σ = 1e-5 is sampled around its specula
         CHECK(length(wi - Vec3{-wo.x, -wo.y, wo.z}) < 2e-4);
         // f cosθi/pdf of a perfect facet is A(wo)·B·cosθ/cosθo ≈ 1: no fireflies.
         const Reflection r = reflection({0, 0, 1}, wi, wo);
-        const double P =
-            slope_distribution(Slopes::kGaussian, 1.0, 1e-5, r.cos_theta, r.tan2_theta);
+        const double P = slope_distribution(Slopes::kGaussian, 1.0, 1e-5)(
+            Slopes::kGaussian, 1 / r.cos_theta, r.tan2_theta);
         CHECK(P / (4 * r.cos_o) / view.pdf(wi) == Approx(1).epsilon(1e-3));
     }
 }

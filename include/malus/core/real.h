@@ -97,14 +97,63 @@ T angle_of(const T& y, const T& x) {
     }
 }
 
-/// e^x for x ≤ 0 of any size, −∞ included; 0 where T has no more normal numbers. The vector exp
-/// alone would pass its argument through an integer, an invalid operation out of range.
+/// 1/x, and 1/√x for x > 0. Inverses<T> says how where there is something quicker than dividing, to 2
+/// roundings of T.
+template <class T>
+struct Inverses {
+    static T of(const T& x) { return real<T>(1) / x; }
+    static T of_sqrt(const T& x) {
+        using std::sqrt;
+        return real<T>(1) / sqrt(x);
+    }
+};
+template <class T>
+T inverse(const T& x) {
+    return Inverses<T>::of(x);
+}
+template <class T>
+T inverse_sqrt(const T& x) {
+    return Inverses<T>::of_sqrt(x);
+}
+
+/// e^x for x ≤ 0 of any size, −∞ included, to 2 roundings; 0 where T has no more normal numbers. In
+/// registers 2^n e^r with x = n ln 2 + r, e^r a polynomial fitted at Chebyshev points.
 template <class T>
 T decay(const T& x) {
-    using std::exp, std::max;
-    constexpr bool kDouble = std::is_same_v<decltype(lane(x, 0)), double>;
-    const T least = real<T>(kDouble ? -708.0 : -87.0);
-    return select(x > least, exp(max(x, least)), real<T>(0));
+    if constexpr (kLaneCount<T> == 1) {
+        return x > -708 ? std::exp(x) : 0;
+    } else {
+        constexpr bool kDouble = std::is_same_v<typename T::value_type, double>;
+        const T least = real<T>(kDouble ? -708.0 : -87.0), within = max(x, least);
+        const T n = nearbyint(within * real<T>(1.4426950408889634074));
+        // ln 2 in two parts, the first so short that its product with n is exact.
+        const T r = (within - n * real<T>(kDouble ? 0x1.62e42fefap-1 : 0x1.63p-1)) -
+                    n * real<T>(kDouble ? 1.6465949582897082e-12 : -2.1219444005469057e-4);
+        if constexpr (kDouble) {
+            constexpr std::array<double, 12> kExp{1.0,
+                                                  1.0,
+                                                  0.5000000000000019,
+                                                  0.1666666666666668,
+                                                  0.0416666666664881,
+                                                  0.008333333333319601,
+                                                  0.0013888888952314775,
+                                                  0.00019841269890047113,
+                                                  2.4801485482328494e-05,
+                                                  2.755724091857897e-06,
+                                                  2.763263963904103e-07,
+                                                  2.5110037605963777e-08};
+            return select(x > least, ldexp(polynomial(kExp, r), to_int(n)), real<T>(0));
+        } else {
+            constexpr std::array<double, 7> kExp{1.0,
+                                                 1.000000037716214,
+                                                 0.5000000047117757,
+                                                 0.16666415514653277,
+                                                 0.04166635289677516,
+                                                 0.008375126398153335,
+                                                 0.0013941108433972674};
+            return select(x > least, ldexp(polynomial(kExp, r), to_int(n)), real<T>(0));
+        }
+    }
 }
 
 }  // namespace malus

@@ -1,12 +1,12 @@
 // fresnel.h — reflection of a plane facet with complex index N = n + ik.
 //
-//   rs = (cos β − N cos t)/(cos β + N cos t)      N cos t = √(N² − sin²β), principal branch
-//   rp = (N cos β − cos t)/(N cos β + cos t)
+//   rs = (cos β − g)/(cos β + g)      g = N cos t = √(N² − sin²β), principal branch
+//   rp = (N cos β − cos t)/(N cos β + cos t) = rs (sin²β − g cos β)/(sin²β + g cos β)
 //   (S0+S1) → |rs|²(S0+S1)    (S0−S1) → |rp|²(S0−S1)    (S2+iS3) → rs rp* (S2+iS3)
 //
 // Frame   x = s = unit(k_in × k_out) on both beams; stokes.h defines a frame and all signs.
 // Range   |S| ≤ S0 is kept; β in [0, π/2), n > 0, k ≥ 0, |N| ≥ 0.05 (below, floats cancel).
-// Error   a few roundings of T: N² − sin²β is formed as (n−1)(n+1) − k² + cos²β + 2ink, which does
+// Error   a few roundings of T: N² − sin²β is formed as (n−1)(n+1) − k² + 2ink + cos²β, which does
 //         not cancel near n = 1, and √ by the larger of its two parts.
 // Source  Born & Wolf, Principles of Optics, 7th ed., §1.5 and §14.2; sign of rp as Verdet.
 // SPDX-License-Identifier: Apache-2.0
@@ -44,41 +44,40 @@ struct Complex {
 /// √(re + i im) in the first quadrant, for im ≥ 0.
 template <class T>
 Complex<T> sqrt_upper(const T& re, const T& im) {
-    using std::abs, std::max, std::min, std::sqrt;
-    const T zero = real<T>(0);
-    const T big = max(abs(re), im), small = min(abs(re), im);
-    const auto is_zero = big == zero;
-    const T ratio = small / select(is_zero, real<T>(1), big);
-    const T modulus = big * sqrt(real<T>(1) + ratio * ratio);
-    const T larger = sqrt(real<T>(0.5) * (modulus + abs(re)));
-    const T smaller = real<T>(0.5) * im / select(is_zero, real<T>(1), larger);
-    return {select(re >= zero, larger, smaller), select(re >= zero, smaller, larger)};
+    using std::abs, std::max, std::sqrt;
+    // The squares may be below T's numbers; what they leave is not.
+    const T modulus = max(sqrt(re * re + im * im), max(abs(re), im));
+    const T square = real<T>(0.5) * (modulus + abs(re));
+    const T inverse = inverse_sqrt(max(square, real<T>(1e-37)));
+    const T larger = square * inverse, smaller = real<T>(0.5) * im * inverse;
+    const auto right = re >= real<T>(0);
+    return {select(right, larger, smaller), select(right, smaller, larger)};
 }
 
-/// Reflection by a facet of index n + ik under the angle of incidence β.
+/// N² − 1, N = n + ik.
+template <class T>
+Complex<T> contrast(const T& n, const T& k) {
+    return {(n - real<T>(1)) * (n + real<T>(1)) - k * k, real<T>(2) * n * k};
+}
+
+/// Reflection by a facet of contrast N² − 1 under the angle of incidence β.
+template <class T>
+FacetMueller<T> fresnel(const Complex<T>& contrast, const T& cos_beta) {
+    const T& c = cos_beta;
+    const T c2 = c * c, s2 = real<T>(1) - c2;
+    const Complex<T> g = sqrt_upper(contrast.re + c2, contrast.im);
+    const T g2 = g.im * g.im, re_c = g.re * c, im_c = g.im * c, im_c2 = im_c * im_c;
+
+    // rs = (c − g)/(c + g), q = rp/rs = (s² − gc)/(s² + gc); rs rp* = |rs|² q*.
+    const T rs_above = sqr(c - g.re) + g2, rs_below = sqr(c + g.re) + g2;
+    const T q_above = sqr(s2 - re_c) + im_c2, q_below = sqr(s2 + re_c) + im_c2;
+    const T common = rs_above * inverse(rs_below * q_below);
+    return {common * q_below, common * q_above, common * ((s2 - re_c) * (s2 + re_c) - im_c2),
+            common * (s2 + s2) * im_c};
+}
 template <class T>
 FacetMueller<T> fresnel(const T& n, const T& k, const T& cos_beta) {
-    const T one = real<T>(1), two = real<T>(2);
-    const T cos2 = cos_beta * cos_beta;
-    const Complex<T> g = sqrt_upper((n - one) * (n + one) - k * k + cos2, two * n * k);  // N cos t
-
-    // Numerators over denominators: rs = (c − g)/(c + g), rp = (N²c − g)/(N²c + g).
-    const Complex<T> Nc{(n * n - k * k) * cos_beta, two * n * k * cos_beta};
-    const T s_re = cos_beta - g.re, s_im = -g.im;
-    const T p_re = Nc.re - g.re, p_im = Nc.im - g.im;
-    const T sd_re = cos_beta + g.re, sd_im = g.im;
-    const T pd_re = Nc.re + g.re, pd_im = Nc.im + g.im;
-    const T s_norm = one / (sd_re * sd_re + sd_im * sd_im);
-    const T p_norm = one / (pd_re * pd_re + pd_im * pd_im);
-    const T Rs = (s_re * s_re + s_im * s_im) * s_norm;
-    const T Rp = (p_re * p_re + p_im * p_im) * p_norm;
-
-    // rs and rp as complex numbers, for the product rs rp*.
-    const T rs_re = (s_re * sd_re + s_im * sd_im) * s_norm;
-    const T rs_im = (s_im * sd_re - s_re * sd_im) * s_norm;
-    const T rp_re = (p_re * pd_re + p_im * pd_im) * p_norm;
-    const T rp_im = (p_im * pd_re - p_re * pd_im) * p_norm;
-    return {Rs, Rp, rs_re * rp_re + rs_im * rp_im, rs_im * rp_re - rs_re * rp_im};
+    return fresnel(contrast(n, k), cos_beta);
 }
 
 }  // namespace malus

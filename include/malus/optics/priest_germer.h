@@ -70,26 +70,38 @@ ReflectionOf<R> reflection(const Vector3<R>& n, const Vector3<R>& wi, const Vect
             {wo, axis}};
 }
 
-/// P(θ): facets per solid angle around the tilt θ, times B.
+/// P(θ) of a surface: facets per solid angle around the tilt θ, times B.
 template <class T>
-T slope_distribution(Slopes slopes, const T& B, const T& sigma,
-                     const std::type_identity_t<T>& cos_theta,
-                     const std::type_identity_t<T>& tan2_theta) {
-    using std::max;
-    const T s2 = sigma * sigma;
-    if (slopes == Slopes::kCauchy) return B / (cos_theta * (s2 + tan2_theta));
-    // The floor keeps 0/0 away where the exponential has long been 0.
-    const T cos3 = max(cos_theta * cos_theta * cos_theta, real<T>(1e-30));
-    const T two_s2 = real<T>(2) * s2;
-    return B * decay(-tan2_theta / two_s2) / (real<T>(kPi) * cos3 * two_s2);
+struct SlopeDistribution {
+    T peak;   ///< Gaussian B/(2πσ²), Cauchy B
+    T width;  ///< Gaussian −1/(2σ²), Cauchy σ²
+
+    T operator()(Slopes slopes, const T& sec_theta, const T& tan2_theta) const {
+        if (slopes == Slopes::kCauchy) return peak * sec_theta / (width + tan2_theta);
+        return peak * decay(width * tan2_theta) * (sec_theta * sec_theta * sec_theta);
+    }
+};
+template <class T>
+SlopeDistribution<T> slope_distribution(Slopes slopes, const T& B, const T& sigma) {
+    const T s2 = sigma * sigma, half = real<T>(0.5) / s2;
+    if (slopes == Slopes::kCauchy) return {B, s2};
+    return {B * half * real<T>(1 / kPi), -half};
 }
 
-/// SO(θ,β) of Priest and Germer.
+/// SO(θ,β) of a surface; angles in rad.
 template <class T>
-T shadowing(const T& tau, const T& inv_omega, const std::type_identity_t<T>& theta,
-            const std::type_identity_t<T>& beta) {
-    const T x = theta * inv_omega;
-    return (real<T>(1) + x * decay(real<T>(-2) * beta / tau)) / (real<T>(1) + x);
+struct ShadowingOf {
+    T fall;       ///< −2/τ, rad⁻¹
+    T inv_omega;  ///< rad⁻¹
+
+    T operator()(const T& theta, const T& beta) const {
+        const T x = theta * inv_omega, one = real<T>(1);
+        return (one + x * decay(fall * beta)) * inverse(one + x);
+    }
+};
+template <class T>
+ShadowingOf<T> shadowing(const T& tau, const T& inv_omega) {
+    return {real<T>(-2) / tau, inv_omega};
 }
 
 /// G of Torrance and Sparrow; keeps the energy of the facets ≤ 1.
@@ -127,33 +139,49 @@ struct BrdfMueller {
 /// What eval() needs of a reflection.
 template <class T>
 struct FacetGeometry {
-    T theta, cos_theta, tan2_theta, beta, cos_beta;
-    T share;   ///< G/(4 cosθi cosθo)
+    T theta, sec_theta, tan2_theta, beta, cos_beta;
     T spread;  ///< 2/(cosθi + cosθo)
+    T weight;  ///< of the light
+    T share;   ///< weight · G/(4 cosθi cosθo)
 };
 template <class T, class R, class Mask>  // Mask: bool, or one a lane
-FacetGeometry<T> facet_geometry(const Mask& attenuated, const ReflectionOf<R>& r) {
+FacetGeometry<T> facet_geometry(const Mask& attenuated, const ReflectionOf<R>& r,
+                                const R& weight = real<R>(1)) {
+    using std::max;
     const R G = any(attenuated) ? select(attenuated, torrance_sparrow(r), real<R>(1)) : real<R>(1);
-    return {real<T>(r.theta),
-            real<T>(r.cos_theta),
-            real<T>(r.tan2_theta),
-            real<T>(r.beta),
-            real<T>(r.cos_beta),
-            real<T>(G / (real<R>(4) * r.cos_i * r.cos_o)),
-            real<T>(real<R>(2) / (r.cos_i + r.cos_o))};
+    // The floor keeps ∞·0 away where facets have long been 0.
+    return {real<T>(r.theta),      real<T>(real<R>(1) / max(r.cos_theta, real<R>(1e-10))),
+            real<T>(r.tan2_theta), real<T>(r.beta),
+            real<T>(r.cos_beta),   real<T>(real<R>(2) / (r.cos_i + r.cos_o)),
+            real<T>(weight),       real<T>(weight * G / (real<R>(4) * r.cos_i * r.cos_o))};
 }
 
-/// f in sr⁻¹, for light that comes along r.in and leaves along r.out.
+/// What eval() needs of a surface: its parameters, worked out as far as it goes without a geometry.
 template <class T>
-BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, const FacetGeometry<T>& g) {
-    const T P = slope_distribution(slopes, p.B, p.sigma, g.cos_theta, g.tan2_theta);
-    const T SO = shadowing(p.tau, p.inv_omega, g.theta, g.beta);
-    return {P * SO * g.share * fresnel(p.n, p.k, g.cos_beta), volume(p.rho_d, p.rho_v, g.spread)};
+struct PreparedPriestGermer {
+    Complex<T> contrast;
+    SlopeDistribution<T> P;
+    ShadowingOf<T> SO;
+    T rho_d, rho_v;
+};
+template <class T>
+PreparedPriestGermer<T> prepared(const PriestGermer<T>& p, Slopes slopes) {
+    return {contrast(p.n, p.k), slope_distribution(slopes, p.B, p.sigma),
+            shadowing(p.tau, p.inv_omega), p.rho_d, p.rho_v};
+}
+
+/// f in sr⁻¹, times the geometry's weight, for light that comes along r.in and leaves along r.out.
+template <class T>
+BrdfMueller<T> eval(const PreparedPriestGermer<T>& p, Slopes slopes, const FacetGeometry<T>& g) {
+    const T facets = p.P(slopes, g.sec_theta, g.tan2_theta) * p.SO(g.theta, g.beta) * g.share;
+    return {facets * fresnel(p.contrast, g.cos_beta),
+            g.weight * volume(p.rho_d, p.rho_v, g.spread)};
 }
 template <class T, class R>
 BrdfMueller<T> eval(const PriestGermer<T>& p, Slopes slopes, Attenuation attenuation,
                     const ReflectionOf<R>& r) {
-    return eval(p, slopes, facet_geometry<T>(attenuation == Attenuation::kTorranceSparrow, r));
+    return eval(prepared(p, slopes), slopes,
+                facet_geometry<T>(attenuation == Attenuation::kTorranceSparrow, r));
 }
 
 }  // namespace malus
