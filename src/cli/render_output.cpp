@@ -18,9 +18,8 @@ namespace malus::cli {
 namespace {
 
 // Rows [first, first + count) of [pixel][per_pixel].
-template <class T>
-std::vector<T> rows_of(const std::vector<T>& all, std::size_t first, std::size_t count,
-                       std::size_t per_row) {
+template <class Vector>
+Vector rows_of(const Vector& all, std::size_t first, std::size_t count, std::size_t per_row) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first * per_row);
     return {begin, begin + static_cast<std::ptrdiff_t>(count * per_row)};
 }

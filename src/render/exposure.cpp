@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "malus/core/contract.h"
+#include "render/lanes.h"
 
 namespace malus {
 namespace {
@@ -21,6 +22,11 @@ std::array<double, 7> variances(const Stokes<double>& S, double error) {
     variances[0] = sqr(error * S.s0);
     variances[3] = variances[5] = sqr(error * linear);
     return variances;
+}
+
+// Up to whole registers.
+std::size_t padded(std::size_t numbers) {
+    return (numbers + kSide - 1) / kSide * kSide;
 }
 
 double rounded(double x) {
@@ -46,17 +52,22 @@ Exposure::Exposure(int w, int h, std::vector<double> wavelengths, std::uint32_t 
 PixelExposure::PixelExposure(const Exposure& exposure)
     : wavelengths_(exposure.wavelengths_nm.size()),
       replicates_(exposure.replicates),
-      sums_(exposure.pixel_stride()),
+      stride_(exposure.pixel_stride()),
+      sums_(stride_ + kSide),
       open_(replicates_ * wavelengths_),
       kept_(replicates_) {}
 
 void PixelExposure::load(const Exposure& exposure, std::size_t pixel) {
-    const float* sums = exposure.stokes.data() + pixel * sums_.size();
-    std::copy(sums, sums + sums_.size(), sums_.begin());
+    taken_ = exposure.taken[pixel];
+    const float* sums = exposure.stokes.data() + pixel * stride_;
+    if (taken_ > 0)
+        std::copy_n(sums, stride_, sums_.begin());
+    else
+        std::fill(sums_.begin(), sums_.end(),
+                  0.0);  // as they are, but their memory stays untouched
     std::copy_n(exposure.open.data() + pixel * open_.size(), open_.size(), open_.begin());
     const std::uint32_t* kept = exposure.kept.data() + pixel * replicates_;
     std::copy(kept, kept + replicates_, kept_.begin());
-    taken_ = exposure.taken[pixel];
     covered_ = exposure.covered[pixel];
     distance_ = static_cast<double>(exposure.distance[pixel]);
     leader_ = exposure.instance[pixel];
@@ -65,8 +76,8 @@ void PixelExposure::load(const Exposure& exposure, std::size_t pixel) {
 
 void PixelExposure::store(Exposure& exposure, std::size_t pixel) const {
     EXPECT(taken_ == checkpoint(taken_));
-    float* sums = exposure.stokes.data() + pixel * sums_.size();
-    std::transform(sums_.begin(), sums_.end(), sums,
+    float* sums = exposure.stokes.data() + pixel * stride_;
+    std::transform(sums_.begin(), sums_.begin() + static_cast<std::ptrdiff_t>(stride_), sums,
                    [](double x) { return static_cast<float>(x); });
     std::copy(open_.begin(), open_.end(), exposure.open.data() + pixel * open_.size());
     std::copy(kept_.begin(), kept_.end(), exposure.kept.data() + pixel * replicates_);
@@ -106,10 +117,10 @@ bool PixelExposure::add_all(const float* S, const float* open) {
     std::uint32_t most_s0 = 0, most = 0;
     for (std::size_t i = 0; i < s0; ++i)
         most_s0 = std::max(most_s0, std::bit_cast<std::uint32_t>(S[i]));
-    for (std::size_t i = 0; i < sums_.size(); ++i)
+    for (std::size_t i = 0; i < stride_; ++i)
         most = std::max(most, std::bit_cast<std::uint32_t>(S[i]) & ~kSign);
     if (most_s0 > kSign || most >= std::bit_cast<std::uint32_t>(kMost)) return false;  // −0 is 0
-    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(S[i]);
+    for (std::size_t i = 0; i < stride_; ++i) sums_[i] += static_cast<double>(S[i]);
     for (std::uint32_t& kept : kept_) ++kept;
     if (!open) return true;
     for (std::size_t c = 0; c < 4; ++c)
@@ -164,12 +175,6 @@ void PixelExposure::end_sample() {
     distance_ = rounded(distance_);
 }
 
-Stokes<double> PixelExposure::sum(std::size_t replicate, std::size_t wavelength) const {
-    const double* sums = sums_.data() + wavelength * replicates_ + replicate;
-    const std::size_t next = wavelengths_ * replicates_;
-    return {sums[0], sums[next], sums[2 * next], sums[3 * next]};
-}
-
 // What chance may have put above |(S1,S2,S3)| = S0 where the sky table's differences are in the
 // means; 0 where they are not. `C`: products of deviations, as develop() has them.
 double PixelExposure::noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
@@ -185,34 +190,50 @@ void PixelExposure::develop(Film& film, std::size_t pixel, double open_error) co
     film.distance[pixel] = covered_ ? static_cast<float>(distance_ / covered_) : 0;
     film.samples[pixel] = 0;
     // A replicate of which all samples were refused has no mean to take part.
-    struct Part {
-        std::size_t replicate;
-        double sample;  // what each counts in the mean
-        Stokes<double> mean;
-    };
-    std::vector<Part> parts;
+    std::vector<double> sample(padded(replicates_));  // what each counts in the mean
+    std::vector<double> takes_part(padded(replicates_));
+    double R = 0;
     for (std::size_t r = 0; r < replicates_; ++r) {
         film.samples[pixel] += kept_[r];
-        if (kept_[r] > 0) parts.push_back({r, 1.0 / kept_[r], {}});
+        if (kept_[r] == 0) continue;
+        sample[r] = 1.0 / kept_[r], takes_part[r] = 1;
+        ++R;
     }
-    const auto R = static_cast<double>(parts.size());
     if (R == 0) return;
     const double norm = R > 1 ? 1 / (R * (R - 1)) : 0;
+    const std::size_t next = wavelengths_ * replicates_;
     for (std::size_t w = 0; w < wavelengths_; ++w) {
+        // Replicates side by side; beyond the last one stand numbers that count as nothing.
+        const auto means = [&, w](std::size_t r) {
+            const double* sums = sums_.data() + w * replicates_ + r;
+            const Reals of = Reals::load_unaligned(&sample[r]);
+            return Stokes<Reals>{of * Reals::load_unaligned(sums),
+                                 of * Reals::load_unaligned(sums + next),
+                                 of * Reals::load_unaligned(sums + 2 * next),
+                                 of * Reals::load_unaligned(sums + 3 * next)};
+        };
+        Stokes<Reals> sum{Reals(0.0), Reals(0.0), Reals(0.0), Reals(0.0)};
+        for (std::size_t r = 0; r < replicates_; r += kSide) sum = sum + means(r);
         PixelStokes& out = film.stokes[pixel * wavelengths_ + w];
         out = {};
         out.replicates = static_cast<float>(R);
-        for (Part& part : parts) {
-            part.mean = part.sample * sum(part.replicate, w);
-            out.mean = out.mean + (1 / R) * part.mean;
+        out.mean =
+            (1 / R) * Stokes<double>{total(sum.s0), total(sum.s1), total(sum.s2), total(sum.s3)};
+        std::array<Reals, 7> products;
+        products.fill(Reals(0.0));
+        for (std::size_t r = 0; r < replicates_; r += kSide) {
+            const Reals here = Reals::load_unaligned(&takes_part[r]);
+            const Stokes<Reals> m = means(r);
+            const Reals d0 = here * (m.s0 - Reals(out.mean.s0)),
+                        d1 = here * (m.s1 - Reals(out.mean.s1)),
+                        d2 = here * (m.s2 - Reals(out.mean.s2)),
+                        d3 = here * (m.s3 - Reals(out.mean.s3));
+            const std::array<Reals, 7> more{d0 * d0, d0 * d1, d0 * d2, d1 * d1,
+                                            d1 * d2, d2 * d2, d3 * d3};
+            for (std::size_t e = 0; e < more.size(); ++e) products[e] = products[e] + more[e];
         }
-        std::array<double, 7> C{};
-        for (const Part& part : parts) {
-            const Stokes<double> d = part.mean + -1.0 * out.mean;
-            const std::array<double, 7> products{d.s0 * d.s0, d.s0 * d.s1, d.s0 * d.s2, d.s1 * d.s1,
-                                                 d.s1 * d.s2, d.s2 * d.s2, d.s3 * d.s3};
-            for (std::size_t e = 0; e < C.size(); ++e) C[e] += products[e];
-        }
+        std::array<double, 7> C;
+        for (std::size_t e = 0; e < C.size(); ++e) C[e] = total(products[e]);
         const std::array<double, 7> of_open =
             is_open(w) ? variances(out.mean, open_error) : std::array<double, 7>{};
         for (std::size_t e = 0; e < C.size(); ++e)

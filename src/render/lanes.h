@@ -118,6 +118,17 @@ auto stored(const T& x) {
     }
 }
 
+/// The sum of the lanes.
+inline double total(const Reals& x) {
+#if defined(__AVX512F__)
+    return _mm512_reduce_add_pd(x);
+#else
+    double sum = 0;
+    for (double each : stored(x)) sum += each;
+    return sum;
+#endif
+}
+
 inline std::array<Vec3, kSide> stored(const Vec3s& v) {
     const auto x = stored(v.x), y = stored(v.y), z = stored(v.z);
     std::array<Vec3, kSide> all;

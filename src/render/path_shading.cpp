@@ -10,14 +10,16 @@ using Light = Stokes<Lanes>;
 // Blocks: [S0..S3][wavelength][lane], padded to whole registers.
 
 // What comes from places of a sky, SkyDome or SkyEmitter: rows of a place, then transposed. Of lanes that
-// are not wanted 0.
+// are not wanted 0. Where the sky has no S3 its rows are not read.
 template <class Rows>
 void sky_light(const Rows& sky, const std::array<SkyLookup, kSide>& at, unsigned wanted,
                std::size_t wavelengths, float* block) {
     std::array<std::array<const float*, 4>, kSide> node;
     for (std::size_t i = 0; i < kSide; ++i)
         for (std::size_t k = 0; k < 4; ++k) node[i][k] = sky.row(at[i].node[k], 0);
-    for (std::size_t j = 0; j < 4 * wavelengths; j += Lanes::size) {
+    const std::size_t read = (sky.circular() ? 4 : 3) * wavelengths;
+    std::size_t j = 0;
+    for (; j < read; j += Lanes::size) {
         std::array<Lanes, kSide> rows;
         for (std::size_t i = 0; i < kSide; ++i) {
             if (!(wanted >> i & 1)) {
@@ -32,6 +34,7 @@ void sky_light(const Rows& sky, const std::array<SkyLookup, kSide>& at, unsigned
         }
         transpose(rows, block + j * kSide);
     }
+    if (j < 4 * wavelengths) std::fill(block + j * kSide, block + 4 * wavelengths * kSide, 0.f);
 }
 
 // A pair of wavelengths of a block; of an odd number the last stands with what follows.

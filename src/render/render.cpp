@@ -83,7 +83,7 @@ class Job {
 
     void run() {
         if (table_) look_around();
-        develop_begun();
+        if (any_exposed()) develop_begun();
         while (true) {
             if (const auto why = plan_.plan_round(exposure())) return end(*why);
             const std::vector<std::size_t> tiles = plan_.round(exposure());
@@ -107,17 +107,27 @@ class Job {
                clock_.seconds() >= settings_.time_limit_s;
     }
 
-    // What was exposed before this call.
-    void develop_begun() {
-        tbb::parallel_for(std::size_t{0}, plan_.tile_count(),
-                          [this](std::size_t t) { develop(t, workers_.local()); });
+    bool any_exposed() const {
+        const std::vector<std::uint32_t>& taken = result_.exposure.taken;
+        return std::any_of(taken.begin(), taken.end(), [](std::uint32_t n) { return n > 0; });
     }
 
-    void develop(std::size_t tile, Worker& worker) {
+    // What was exposed before this call.
+    void develop_begun() {
+        tbb::parallel_for(std::size_t{0}, plan_.tile_count(), [this](std::size_t t) {
+            Worker& worker = workers_.local();
+            develop(t, worker,
+                    [&](int, int, std::size_t index) { worker.pixel.load(exposure(), index); });
+        });
+    }
+
+    // `load` brings each pixel of the tile to the worker.
+    template <class Load>
+    void develop(std::size_t tile, Worker& worker, const Load& load) {
         PixelExposure& pixel = worker.pixel;
         worker.open_pixels.clear();
         for_each_pixel(tile, [&](int x, int y, std::size_t index) {
-            pixel.load(exposure(), index);
+            load(x, y, index);
             pixel.develop(result_.film, index, table_ ? table_->error(x, y) : 0);
             if (table_ && pixel.is_open() && result_.film.samples[index] > 0)
                 worker.open_pixels.push_back(index);
@@ -182,10 +192,8 @@ class Job {
             if (stop_wanted() || time_is_up()) return;
             Worker& worker = workers_.local();
             const std::uint64_t before = worker.samples;
-            for_each_pixel(tiles[i], [&](int x, int y, std::size_t index) {
-                expose_pixel(x, y, index, worker);
-            });
-            develop(tiles[i], worker);
+            develop(tiles[i], worker,
+                    [&](int x, int y, std::size_t index) { expose_pixel(x, y, index, worker); });
             tell_progress(worker.samples - before, total);
         });
         samples_ += static_cast<double>(round_samples_);
@@ -194,9 +202,9 @@ class Job {
 
     void expose_pixel(int x, int y, std::size_t index, Worker& worker) {
         const std::uint32_t wanted = exposure().wanted[index];
-        if (exposure().taken[index] >= wanted) return;
         PixelExposure& pixel = worker.pixel;
         pixel.load(exposure(), index);
+        if (pixel.taken() >= wanted) return;
         begin(index, worker);
         if (table_) worker.open.begin(*table_, x, y);
         while (pixel.taken() < wanted) {

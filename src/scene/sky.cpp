@@ -105,6 +105,7 @@ void SkyDome::store(std::size_t row, std::size_t column, std::size_t w, const St
     at[wavelength_count_] = static_cast<float>(S.s1);
     at[2 * wavelength_count_] = static_cast<float>(S.s2);
     at[3 * wavelength_count_] = static_cast<float>(S.s3);
+    circular_ |= S.s3 != 0;
 }
 
 void SkyDome::fill_nodes(const Sky& sky, const std::vector<Column>& columns,

@@ -46,6 +46,8 @@ class SkyEmitter {
         return grid_ ? grid_->row(node, c) : dome_.row(node, c);
     }
 
+    bool circular() const { return dome_.circular(); }
+
     const SkyDome& dome() const { return dome_; }
     /// The grid that stands for the map; null where the map itself is read.
     const EqualAreaSky* grid() const { return grid_ ? &*grid_ : nullptr; }

@@ -18,8 +18,8 @@ class Digest {
     void add(std::uint64_t value) { state_ = hash(state_, value); }
     /// Numbers of 32 bits or fewer. One after another they would each wait for the one before: every eighth
     /// goes to a mark of its own, side by side, and the mark is of these eight and the count.
-    template <class Number>
-    void add_all(const std::vector<Number>& numbers) {
+    template <class Number, class Allocator>
+    void add_all(const std::vector<Number, Allocator>& numbers) {
         std::array<Digest, 8> marks;
         std::size_t i = 0;
         for (; i + marks.size() <= numbers.size(); i += marks.size())

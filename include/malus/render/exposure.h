@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "malus/core/zeroed.h"
 #include "malus/render/film.h"
 
 namespace malus {
@@ -34,7 +35,7 @@ struct Exposure {
     int width = 0, height = 0;
     std::uint32_t replicates = 0;
     std::vector<double> wavelengths_nm;
-    std::vector<float> stokes;  ///< [pixel][S0..S3][wavelength][replicate] sums
+    ZeroedVector<float> stokes;  ///< [pixel][S0..S3][wavelength][replicate] sums
     /// [pixel][replicate][wavelength] α of the sky table × 255: odd where the pixel's first sample found it,
     /// even where a later one did.
     std::vector<std::uint8_t> open;
@@ -88,8 +89,8 @@ class PixelExposure {
     void develop(Film& film, std::size_t pixel, double open_error = 0) const;
 
   private:
-    std::size_t wavelengths_, replicates_;
-    std::vector<double> sums_;        // [S0..S3][wavelength][replicate]
+    std::size_t wavelengths_, replicates_, stride_;
+    std::vector<double> sums_;        // [S0..S3][wavelength][replicate], padded
     std::vector<std::uint8_t> open_;  // [replicate][wavelength]
     std::vector<std::uint32_t> kept_;
     std::uint32_t taken_ = 0, covered_ = 0;
@@ -102,7 +103,6 @@ class PixelExposure {
     bool is_open(std::size_t wavelength) const;  // for any replicate
     double noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
                                 double norm) const;
-    Stokes<double> sum(std::size_t replicate, std::size_t wavelength) const;
 };
 
 }  // namespace malus

@@ -86,6 +86,7 @@ class SkyDome {
     Stokes<double> radiance_in(const BeamFrame& frame, std::size_t wavelength) const;
 
     std::size_t wavelength_count() const { return wavelength_count_; }
+    bool circular() const { return circular_; }  ///< is S3 other than 0 anywhere?
     /// The map's finest step, rad: of zenith angle, or of azimuth at the horizon.
     double spacing() const;
     /// Where the azimuths of the map begin, rad.
@@ -119,6 +120,7 @@ class SkyDome {
     SkyLookup lookup(std::size_t r, std::size_t c, double v, double u) const;
 
     std::size_t wavelength_count_ = 0;
+    bool circular_ = false;
     GuidedAxis zenith_, azimuth_;  // with pole, horizon and the first azimuth once more
     std::vector<float> data_;      // [node][component][wavelength]
 };
