@@ -27,20 +27,14 @@ void add(std::span<float> S, double weight, std::span<const float> other) {
 
 }  // namespace
 
-GridPlace place_on_grid(const SquarePoint& p, std::size_t cells) {
-    const double n = static_cast<double>(cells);
-    const double x = p.x * n, y = p.y * n;
-    const double column = std::min(std::floor(x), n - 1), line = std::min(std::floor(y), n - 1);
-    return {static_cast<std::size_t>(column), static_cast<std::size_t>(line), x - column, y - line};
-}
-
 EqualAreaSky::EqualAreaSky(std::size_t cells, std::size_t wavelength_count)
     : cells_(cells),
       wavelength_count_(wavelength_count),
       data_(nodes() * floats_a_node() + SkyDome::kPadding, 0.0f) {}
 
 SkyLookup EqualAreaSky::lookup(const GridPlace& at) const {
-    const auto node = static_cast<std::uint32_t>(at.line * (cells_ + 1) + at.column);
+    const double line = static_cast<double>(cells_ + 1);
+    const auto node = static_cast<std::uint32_t>(at.line * line + at.column);
     const auto below = static_cast<std::uint32_t>(node + cells_ + 1);
     return {{node, node + 1, below, below + 1},
             {static_cast<float>((1 - at.v) * (1 - at.u)), static_cast<float>((1 - at.v) * at.u),

@@ -33,11 +33,20 @@ Vector3<R> direction_of(const DomePointOf<R>& p, double first_azimuth) {
 }
 
 /// Where a point lies on a grid.
-struct GridPlace {
-    std::size_t column, line;  ///< of the cell
-    double u, v;               ///< in it, [0,1]
+template <class R>
+struct GridPlaceOf {
+    R column, line;  ///< of the cell
+    R u, v;          ///< in it, [0,1]
 };
-GridPlace place_on_grid(const SquarePoint& p, std::size_t cells);
+using GridPlace = GridPlaceOf<double>;
+template <class R>
+GridPlaceOf<R> place_on_grid(const SquarePointOf<R>& p, std::size_t cells) {
+    using std::floor, std::min;
+    const R n = real<R>(static_cast<double>(cells)), last = n - real<R>(1);
+    const R x = p.x * n, y = p.y * n;
+    const R column = min(floor(x), last), line = min(floor(y), last);
+    return {column, line, x - column, y - line};
+}
 
 class EqualAreaSky {
   public:
