@@ -66,45 +66,50 @@ Geometry triangle_geometry(RTCDevice device, const std::vector<Vec3f>& positions
     return geometry;
 }
 
-void fill_ray(RTCRay& ray, const Vec3f& origin, const Vec3f& direction) {
-    ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
-    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-    ray.tnear = 0;
-    ray.tfar = std::numeric_limits<float>::infinity();
-    ray.time = 0;
-    ray.mask = ~0u;
-    ray.id = 0;
-    ray.flags = 0;
-}
-
 // Rays side by side, in single precision.
 class FloatRays {
   public:
-    explicit FloatRays(const RayOf<Reals>& rays)
-        : origins_(stored(rays.origin)), directions_(stored(rays.direction)) {}
+    explicit FloatRays(const RayOf<Reals>& rays) {
+        const std::array<const Reals*, 6> numbers{&rays.origin.x,    &rays.origin.y,
+                                                  &rays.origin.z,    &rays.direction.x,
+                                                  &rays.direction.y, &rays.direction.z};
+        Reals most(0.0);
+        for (std::size_t k = 0; k < 6; ++k) {
+            store_floats(*numbers[k], number_[k].data());
+            most = most + abs(*numbers[k]);  // NaN and infinity stay
+        }
+        finite_ = bits(most < Reals(std::numeric_limits<float>::max()));
+    }
     // Debian's Embree has its assertions on: a NaN would end the process.
-    bool finite(std::size_t i) const { return is_finite(origins_[i]) && is_finite(directions_[i]); }
+    bool finite(std::size_t i) const { return finite_ >> i & 1; }
     void fill(RTCRay& ray, std::size_t i) const {
-        fill_ray(ray, Vec3f(origins_[i]), Vec3f(directions_[i]));
+        ray.org_x = number_[0][i], ray.org_y = number_[1][i], ray.org_z = number_[2][i];
+        ray.dir_x = number_[3][i], ray.dir_y = number_[4][i], ray.dir_z = number_[5][i];
+        ray.tnear = 0;
+        ray.tfar = std::numeric_limits<float>::infinity();
+        ray.time = 0;
+        ray.mask = ~0u;
+        ray.id = 0;
+        ray.flags = 0;
     }
     // A packet of those in `active`; −1 where one is to be followed.
     template <class Packet>
     std::array<int, kSide> fill(Packet& packet, unsigned active) const {
+        float* const to[]{packet.org_x, packet.org_y, packet.org_z,
+                          packet.dir_x, packet.dir_y, packet.dir_z};
+        for (std::size_t k = 0; k < 6; ++k) std::copy(number_[k].begin(), number_[k].end(), to[k]);
         std::array<int, kSide> valid;
         for (std::size_t i = 0; i < kSide; ++i) {
             valid[i] = (active >> i & 1) && finite(i) ? -1 : 0;
-            RTCRay ray;
-            fill(ray, i);
-            packet.org_x[i] = ray.org_x, packet.org_y[i] = ray.org_y, packet.org_z[i] = ray.org_z;
-            packet.dir_x[i] = ray.dir_x, packet.dir_y[i] = ray.dir_y, packet.dir_z[i] = ray.dir_z;
-            packet.tnear[i] = ray.tnear, packet.tfar[i] = ray.tfar, packet.time[i] = ray.time;
-            packet.mask[i] = ray.mask, packet.id[i] = ray.id, packet.flags[i] = ray.flags;
+            packet.tnear[i] = 0, packet.tfar[i] = std::numeric_limits<float>::infinity();
+            packet.time[i] = 0, packet.mask[i] = ~0u, packet.id[i] = 0, packet.flags[i] = 0;
         }
         return valid;
     }
 
   private:
-    std::array<Vec3, kSide> origins_, directions_;
+    std::array<std::array<float, kSide>, 6> number_;
+    unsigned finite_;
 };
 
 #if RTC_VERSION_MAJOR >= 4
