@@ -168,10 +168,16 @@ constexpr double kOffset = 0x1p-20;
 
 }  // namespace
 
-// A geometry or an instance of the top scene, by its Embree identifier.
+// A geometry or an instance of the top scene, by its Embree identifier: where its triangles' points are.
 struct Placed {
-    int instance;
-    bool flat;  // its corners already lie in centred world coordinates
+    int instance = -1;
+    bool flat = false;  // its corners already lie in centred world coordinates
+    const Vec3f* positions = nullptr;
+    const std::array<std::uint32_t, 3>* triangles = nullptr;
+    const Vec3f* normals = nullptr;  // null where the mesh has none
+    const Affine* to_world = nullptr;
+    std::array<Vec3, 3> cofactors;  // columns: of normals
+    double reach = 0;  // how far from the mesh's centre the numbers go that a hit is found with, m
 };
 
 // A mesh that is placed more than once, in its own coordinates about its own centre: Embree meets
@@ -216,7 +222,7 @@ struct Accel::Impl {
             const Geometry geometry = flat ? flat_geometry(i) : instance_geometry(i);
             const unsigned id = rtcAttachGeometry(top.get(), geometry.get());
             if (placed.size() <= id) placed.resize(id + 1);
-            placed[id] = {static_cast<int>(i), flat};
+            placed[id] = place(i, flat);
             check(device.get());
         }
     }
@@ -264,38 +270,21 @@ struct Accel::Impl {
         rtcCommitScene(shared[m].scene.get());
     }
 
-    // How far from the mesh's centre the numbers go that a hit of an instance is found with, m.
-    double reach_of(const Placed& at) const {
-        if (at.flat) return 0;
-        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
+    Placed place(std::size_t i, bool flat) const {
+        const Instance& instance = scene.instances[i];
+        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
         const Affine& a = instance.to_world;
-        const double scale = std::max({length(a.x), length(a.y), length(a.z)});
-        return scale * shared[static_cast<std::size_t>(instance.mesh)].radius;
-    }
-
-    // Corners of the triangle hit, in centred world coordinates.
-    std::array<Vec3, 3> corners(const Placed& at, std::uint32_t primitive) const {
-        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
-        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-        const auto& triangle = mesh.triangles[primitive];
-        std::array<Vec3, 3> p;
-        for (std::size_t i = 0; i < 3; ++i)
-            p[i] = at.flat
-                       ? Vec3(flat_positions[static_cast<std::size_t>(at.instance)][triangle[i]])
-                       : instance.to_world.point(Vec3(mesh.positions[triangle[i]])) - center;
-        return p;
-    }
-
-    // Up to length; 0 where the mesh has no normals.
-    Vec3 smooth_normal(const Placed& at, const Met& met) const {
-        const Instance& instance = scene.instances[static_cast<std::size_t>(at.instance)];
-        const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-        if (mesh.normals.empty()) return {};
-        const auto& triangle = mesh.triangles[met.triangle];
-        const double u = static_cast<double>(met.u), v = static_cast<double>(met.v);
-        return instance.to_world.normal((1 - u - v) * Vec3(mesh.normals[triangle[0]]) +
-                                        u * Vec3(mesh.normals[triangle[1]]) +
-                                        v * Vec3(mesh.normals[triangle[2]]));
+        Placed at{static_cast<int>(i),
+                  flat,
+                  flat ? flat_positions[i].data() : mesh.positions.data(),
+                  mesh.triangles.data(),
+                  mesh.normals.empty() ? nullptr : mesh.normals.data(),
+                  &a,
+                  {a.normal({1, 0, 0}), a.normal({0, 1, 0}), a.normal({0, 0, 1})}};
+        if (!flat)
+            at.reach = std::max({length(a.x), length(a.y), length(a.z)}) *
+                       shared[static_cast<std::size_t>(instance.mesh)].radius;
+        return at;
     }
 
     template <class RayHits>
@@ -382,23 +371,36 @@ unsigned Accel::occluded(const RayOf<Reals>& rays, unsigned active, Company comp
 // Positions and normals from the triangles' corners in double: what Embree returns of them is
 // rounded to float along the whole ray.
 Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) const {
-    struct Corners {
-        std::array<Vec3, 3> p;
-        Vec3 smooth;
-        double reach;
-    };
-    std::array<Corners, kSide> of;
+    // [coordinate][lane]; numbers of corners, and of normals up to length: 0 where there is none.
+    using Numbers = std::array<std::array<double, kSide>, 3>;
+    std::array<Numbers, 3> corners;
+    Numbers smooth_normals{};
+    std::array<double, kSide> reaches;
     bool any_smooth = false;
+    const auto keep = [](const Vec3& v, std::size_t i, Numbers& to) {
+        to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
+    };
     for (std::size_t i = 0; i < kSide; ++i) {
         const Placed& at = impl_->placed[met[i].placed];
-        of[i] = {impl_->corners(at, met[i].triangle), impl_->smooth_normal(at, met[i]),
-                 impl_->reach_of(at)};
-        any_smooth |= of[i].smooth != Vec3{};
+        const std::array<std::uint32_t, 3>& triangle = at.triangles[met[i].triangle];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Vec3 p(at.positions[triangle[c]]);
+            keep(at.flat ? p : at.to_world->point(p) - impl_->center, i, corners[c]);
+        }
+        reaches[i] = at.reach;
+        if (!at.normals) continue;
+        any_smooth = true;
+        const double u = static_cast<double>(met[i].u), v = static_cast<double>(met[i].v);
+        const Vec3 n = (1 - u - v) * Vec3(at.normals[triangle[0]]) +
+                       u * Vec3(at.normals[triangle[1]]) + v * Vec3(at.normals[triangle[2]]);
+        keep(n.x * at.cofactors[0] + n.y * at.cofactors[1] + n.z * at.cofactors[2], i,
+             smooth_normals);
     }
-    const auto corner = [&](std::size_t c) {
-        return vectors([&, c](std::size_t i) { return of[i].p[c]; });
+    const auto loaded = [](const Numbers& of) {
+        return Vec3s{Reals::load_unaligned(of[0].data()), Reals::load_unaligned(of[1].data()),
+                     Reals::load_unaligned(of[2].data())};
     };
-    const Vec3s p0 = corner(0), p1 = corner(1), p2 = corner(2);
+    const Vec3s p0 = loaded(corners[0]), p1 = loaded(corners[1]), p2 = loaded(corners[2]);
     const Reals u = lanewise<Reals>([&](std::size_t i) { return met[i].u; });
     const Reals v = lanewise<Reals>([&](std::size_t i) { return met[i].v; });
 
@@ -406,7 +408,7 @@ Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) c
     hit.position = p0 + u * (p1 - p0) + v * (p2 - p0);
     const Vec3s outward = cross(p1 - p0, p2 - p0);
     const Reals area = length(outward), zero(0.0), one(1.0);
-    Reals reach = lanewise<Reals>([&](std::size_t i) { return of[i].reach; });
+    Reals reach = Reals::load_unaligned(reaches.data());
     for (const Vec3s* p : {&p0, &p1, &p2})
         reach = max(reach, max(abs(p->x), max(abs(p->y), abs(p->z))));
     hit.offset = Reals(kOffset) * reach;
@@ -416,7 +418,7 @@ Hits Accel::points(const std::array<Met, kSide>& met, const Vec3s& directions) c
     hit.n = hit.ng;
     if (!any_smooth) return hit;
 
-    const Vec3s smooth = vectors([&](std::size_t i) { return of[i].smooth; });
+    const Vec3s smooth = loaded(smooth_normals);
     const Reals norm = length(smooth);
     const auto some = norm > zero;
     const Vec3s n = smooth / select(some, select(dot(smooth, hit.ng) < zero, -norm, norm), one);
