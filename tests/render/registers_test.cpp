@@ -64,6 +64,27 @@ TEST_CASE("Registers: exponentials, logarithms, roots and circles to 1e-6 of a d
     }
 }
 
+TEST_CASE("Registers: inverses, and what decays, to 3e-7 of a double's, or 1e-15") {
+    Uniform u(7);
+    for (int i = 0; i < 2000; ++i) {
+        // Of all sizes that optics have: squares of indices to 1e6, and of cosines from 1e-16.
+        const double x = std::exp(60 * (u() - 0.5)), fall = -86 * u();
+        const auto as_float = static_cast<float>(x), fall_as_float = static_cast<float>(fall);
+        const auto one_lane = [](const Lanes& of) { return static_cast<double>(lane(of, 3)); };
+        CHECK(one_lane(inverse(Lanes(as_float))) == Approx(1.0 / double{as_float}).epsilon(3e-7));
+        CHECK(one_lane(inverse_sqrt(Lanes(as_float))) ==
+              Approx(1 / std::sqrt(double{as_float})).epsilon(3e-7));
+        CHECK(one_lane(decay(Lanes(fall_as_float))) ==
+              Approx(std::exp(double{fall_as_float})).epsilon(3e-7));
+        CHECK(lane(decay(Reals(8 * fall)), 1) == Approx(std::exp(8 * fall)).epsilon(1e-15));
+    }
+    CHECK(lane(decay(Lanes(0.f)), 0) == 1);
+    CHECK(lane(decay(Reals(-HUGE_VAL)), 0) == 0);
+    std::array<double, kSide> some;
+    for (std::size_t i = 0; i < kSide; ++i) some[i] = std::pow(2.0, static_cast<double>(i));
+    CHECK(total(of(some)) == std::pow(2.0, static_cast<double>(kSide)) - 1);
+}
+
 TEST_CASE("Registers: transposing, masks and both wavelengths") {
     std::array<Lanes, kSide> rows;
     for (std::size_t i = 0; i < kSide; ++i)

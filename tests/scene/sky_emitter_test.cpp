@@ -81,6 +81,14 @@ TEST_CASE("Sky density: cells come as often as they are bright, dark ones never"
               Approx(1.0 / 100));
 }
 
+TEST_CASE("Sky dome: one number of circular light is told from none") {
+    const std::vector<double> nm{440, 600};
+    Sky sky = make_clear_sky({}, nm, 45, 180);
+    CHECK_FALSE(SkyDome(sky, nm).circular());
+    sky.nodes.back().s3 = 1e-30;
+    CHECK(SkyDome(sky, nm).circular());
+}
+
 TEST_CASE("Sky grid: a bright pixel keeps its light, a uniform sky stays uniform") {
     Sky sky = sample_sky(reference::uniform_sky(1), kOne, 45, 180);
     const SkyEmitter even(sky, kOne, kNoFacets);
