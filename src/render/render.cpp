@@ -107,6 +107,7 @@ class Job {
                clock_.seconds() >= settings_.time_limit_s;
     }
 
+    // To look at sums of nothing would make all their memory real, by one touch more than it takes.
     bool any_exposed() const {
         const std::vector<std::uint32_t>& taken = result_.exposure.taken;
         return std::any_of(taken.begin(), taken.end(), [](std::uint32_t n) { return n > 0; });

@@ -9,20 +9,15 @@ namespace {
 void look_up(const EqualAreaSky& grid, const DomePointOf<Reals>& p, unsigned wanted,
              std::array<SkyLookup, kSide>& at) {
     const GridPlaceOf<Reals> place = place_on_grid(to_square(p), grid.cells());
-    const auto line = static_cast<std::uint32_t>(grid.cells() + 1);
-    const auto first = stored(place.line * Reals(line) + place.column);
-    const Reals right = place.u, left = Reals(1.0) - right, low = place.v, high = Reals(1.0) - low;
+    const auto first = stored(grid.first_node(place));
     std::array<std::array<float, kSide>, 4> weight;
-    store_floats(high * left, weight[0].data());
-    store_floats(high * right, weight[1].data());
-    store_floats(low * left, weight[2].data());
-    store_floats(low * right, weight[3].data());
-    for (std::size_t i = 0; i < kSide; ++i) {
-        const auto node = static_cast<std::uint32_t>(first[i]);
-        at[i] = {{node, node + 1, node + line, node + line + 1},
-                 {weight[0][i], weight[1][i], weight[2][i], weight[3][i]}};
-        if (!(wanted >> i & 1)) at[i] = {};
-    }
+    const std::array<Reals, 4> weights = bilinear_weights(place);
+    for (std::size_t k = 0; k < 4; ++k) store_floats(weights[k], weight[k].data());
+    for (std::size_t i = 0; i < kSide; ++i)
+        at[i] = wanted >> i & 1
+                    ? SkyLookup{grid.nodes_from(first[i]),
+                                {weight[0][i], weight[1][i], weight[2][i], weight[3][i]}}
+                    : SkyLookup{};
 }
 
 }  // namespace

@@ -33,12 +33,10 @@ EqualAreaSky::EqualAreaSky(std::size_t cells, std::size_t wavelength_count)
       data_(nodes() * floats_a_node() + SkyDome::kPadding, 0.0f) {}
 
 SkyLookup EqualAreaSky::lookup(const GridPlace& at) const {
-    const double line = static_cast<double>(cells_ + 1);
-    const auto node = static_cast<std::uint32_t>(at.line * line + at.column);
-    const auto below = static_cast<std::uint32_t>(node + cells_ + 1);
-    return {{node, node + 1, below, below + 1},
-            {static_cast<float>((1 - at.v) * (1 - at.u)), static_cast<float>((1 - at.v) * at.u),
-             static_cast<float>(at.v * (1 - at.u)), static_cast<float>(at.v * at.u)}};
+    SkyLookup found{nodes_from(first_node(at)), {}};
+    const std::array<double, 4> weight = bilinear_weights(at);
+    for (std::size_t k = 0; k < 4; ++k) found.weight[k] = static_cast<float>(weight[k]);
+    return found;
 }
 
 EqualAreaSky::EqualAreaSky(const SkyDome& dome, std::size_t cells)

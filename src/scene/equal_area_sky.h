@@ -48,6 +48,13 @@ GridPlaceOf<R> place_on_grid(const SquarePointOf<R>& p, std::size_t cells) {
     return {column, line, x - column, y - line};
 }
 
+/// Of the four nodes around a place: two on its line, two on the next.
+template <class R>
+std::array<R, 4> bilinear_weights(const GridPlaceOf<R>& at) {
+    const R one = real<R>(1);
+    return {(one - at.v) * (one - at.u), (one - at.v) * at.u, at.v * (one - at.u), at.v * at.u};
+}
+
 class EqualAreaSky {
   public:
     /// The means of a dome.
@@ -69,6 +76,16 @@ class EqualAreaSky {
         return &data_[(node * 4 + static_cast<std::size_t>(c)) * wavelength_count_];
     }
 
+    /// The first of the four nodes around a place, and all of them.
+    template <class R>
+    R first_node(const GridPlaceOf<R>& at) const {
+        return at.line * real<R>(static_cast<double>(cells_ + 1)) + at.column;
+    }
+    std::array<std::uint32_t, 4> nodes_from(double first) const {
+        const auto node = static_cast<std::uint32_t>(first),
+                   below = static_cast<std::uint32_t>(node + cells_ + 1);
+        return {node, node + 1, below, below + 1};
+    }
     /// The nodes around a place and their weights.
     SkyLookup lookup(const GridPlace& at) const;
 
