@@ -164,6 +164,43 @@ TEST_CASE("Fully polarized sky: reflected as quadrature says, and never more tha
     }
 }
 
+TEST_CASE("Circular sky: each of 24 like wavelengths is what one of them is alone", "[render]") {
+    // Same numbers, same directions: no noise to judge. Rows of 24 are read apart from each other, and those
+    // of S3 only where there is some; metal makes S3 of what is linear, so that light of
+    // other surfaces, which stands in the same place, has some in any case.
+    std::vector<double> many;
+    for (int i = 0; i < 24; ++i) many.push_back(440 + 5 * i);
+    Material metal = single_row("metal", {0.9, 6, 1, 0.2, 1, 0, 0, 0});
+    metal.rows.push_back(metal.rows[0]);
+    metal.rows.front().wavelength_nm = many.front(), metal.rows.back().wavelength_nm = many.back();
+    for (double circular : {0.0, 0.6}) {
+        const auto light = [&](Vec3 w) -> reference::Stokes {
+            if (w.y <= 0) return {};
+            const double linear = std::sqrt(1 - circular * circular);
+            return polarized_along(cross({0.3, -0.8, 0.5}, w), w, 1, linear, circular);
+        };
+        const auto pixel_at = [&](const std::vector<double>& nm, std::size_t wavelength) {
+            const PreparedScene prepared(corner_scene(), {0, 0}, {metal},
+                                         sample_sky(light, nm, 90, 360), nm);
+            RenderSettings settings;
+            settings.width = settings.height = 1, settings.spp = 64;
+            return render(prepared, look_at({0.2, 0, 0.3}, 45, 70, 1e-3), settings)
+                .film.at(0, wavelength)
+                .mean;
+        };
+        const Stokes<double> alone = pixel_at({440}, 0);
+        CHECK(std::abs(alone.s3) > 0.01 * alone.s0);
+        for (std::size_t w : {0u, 11u, 23u}) {
+            const Stokes<double> among = pixel_at(many, w);
+            CAPTURE(circular, w);
+            CHECK(among.s0 == Approx(alone.s0).epsilon(1e-5));
+            CHECK(among.s1 == near(alone.s1, 1e-5 * alone.s0));
+            CHECK(among.s2 == near(alone.s2, 1e-5 * alone.s0));
+            CHECK(among.s3 == near(alone.s3, 1e-5 * alone.s0));
+        }
+    }
+}
+
 TEST_CASE("Maps of one node and of 4096 × 1024 nodes", "[render]") {
     const Sky one = sample_sky(reference::uniform_sky(3), kOne, 1, 1);
     CHECK(panel_mean(lambertian(0.5), one, 20).mean.s0 == Approx(1.5).epsilon(1e-3));
