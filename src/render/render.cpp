@@ -54,14 +54,16 @@ struct Worker {
     std::vector<Sampler> samplers;  // one a replicate
     std::vector<float> S;           // of a sample of each replicate
     OpenLight open;
-    std::vector<std::size_t> open_pixels;  // of a tile: those that use the sky table
+    std::vector<std::vector<std::size_t>>
+        open_pixels;  // of a tile, [wavelength]: those that use the sky table
     std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
     explicit Worker(const Exposure& exposure)
         : pixel(exposure),
           S(exposure.pixel_stride()),
-          open(exposure.wavelengths_nm.size(), exposure.replicates) {}
+          open(exposure.wavelengths_nm.size(), exposure.replicates),
+          open_pixels(exposure.wavelengths_nm.size()) {}
 };
 
 // One call of render().
@@ -126,14 +128,16 @@ class Job {
     template <class Load>
     void develop(std::size_t tile, Worker& worker, const Load& load) {
         PixelExposure& pixel = worker.pixel;
-        worker.open_pixels.clear();
+        for (std::vector<std::size_t>& pixels : worker.open_pixels) pixels.clear();
         for_each_pixel(tile, [&](int x, int y, std::size_t index) {
             load(x, y, index);
             pixel.develop(result_.film, index, table_ ? table_->error(x, y) : 0);
-            if (table_ && pixel.is_open() && result_.film.samples[index] > 0)
-                worker.open_pixels.push_back(index);
+            if (!table_ || !pixel.is_open() || result_.film.samples[index] == 0) return;
+            for (std::size_t w = 0; w < worker.open_pixels.size(); ++w)
+                if (pixel.is_open(w)) worker.open_pixels[w].push_back(index);
         });
-        share_errors(result_.film, worker.open_pixels);
+        for (std::size_t w = 0; w < worker.open_pixels.size(); ++w)
+            share_errors(result_.film, w, worker.open_pixels[w]);
         for_each_pixel(tile,
                        [&](int, int, std::size_t index) { plan_.measure(result_.film, index); });
     }

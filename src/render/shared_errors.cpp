@@ -26,22 +26,33 @@ double trace(const Covariance& v) {
 }  // namespace
 
 void share_errors(std::span<const SharedError> pixels) {
-    Covariance mean{};
+    // Of one sample, in units of light and in those of each pixel's own.
+    Covariance mean{}, relative{};
+    double lit = 0;
+    for (const SharedError& of : pixels)
+        if (of.pixel->mean.s0 > 0) ++lit;
     for (const SharedError& of : pixels) {
         const Covariance v = of_one_sample(of);
-        for (std::size_t e = 0; e < v.size(); ++e)
+        const double S0 = of.pixel->mean.s0;
+        for (std::size_t e = 0; e < v.size(); ++e) {
             mean[e] += v[e] / static_cast<double>(pixels.size());
+            if (S0 > 0) relative[e] += v[e] / S0 / S0 / lit;
+        }
     }
     for (const SharedError& of : pixels) {
         const Covariance v = of_one_sample(of);
-        if (!(trace(mean) > trace(v))) continue;
+        const double S0 = of.pixel->mean.s0, square = S0 * S0;
+        const bool dark = trace(mean) > square * trace(relative);
+        const Covariance& neighbours = dark ? relative : mean;
+        const double unit = dark ? square : 1;
+        if (!(unit * trace(neighbours) > trace(v))) continue;
         for (std::size_t e = 0; e < v.size(); ++e)
-            of.pixel->covariance[e] = static_cast<float>((v[e] + mean[e]) / (2 * of.samples));
+            of.pixel->covariance[e] =
+                static_cast<float>((v[e] + unit * neighbours[e]) / (2 * of.samples));
     }
 }
 
-void share_errors(Film& film, std::span<std::size_t> pixels) {
-    const std::size_t wavelengths = film.wavelengths_nm.size();
+void share_errors(Film& film, std::size_t wavelength, std::span<std::size_t> pixels) {
     std::vector<SharedError> shared;
     while (!pixels.empty()) {
         const std::int32_t instance = film.instance[pixels.front()];
@@ -49,13 +60,11 @@ void share_errors(Film& film, std::span<std::size_t> pixels) {
             return film.instance[pixel] == instance;
         });
         const auto same = static_cast<std::size_t>(rest - pixels.begin());
-        for (std::size_t w = 0; w < wavelengths; ++w) {
-            shared.clear();
-            for (std::size_t pixel : pixels.first(same))
-                shared.push_back({&film.stokes[pixel * wavelengths + w],
-                                  static_cast<double>(film.samples[pixel])});
-            share_errors(shared);
-        }
+        shared.clear();
+        for (std::size_t pixel : pixels.first(same))
+            shared.push_back({&film.stokes[pixel * film.wavelengths_nm.size() + wavelength],
+                              static_cast<double>(film.samples[pixel])});
+        share_errors(shared);
         pixels = pixels.subspan(same);
     }
 }

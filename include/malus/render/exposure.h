@@ -75,7 +75,8 @@ class PixelExposure {
     bool add_all(const float* S, const float* open = nullptr);
     /// α, [0,1], to 2/255: the last bit says whether a sample was there before.
     void set_open(std::uint32_t replicate, std::size_t wavelength, double share);
-    bool is_open() const;  ///< is α > 0 for any replicate at any wavelength?
+    bool is_open() const;                        ///< is α > 0 for any replicate at any wavelength?
+    bool is_open(std::size_t wavelength) const;  ///< is it at this one?
     bool is_open(std::size_t replicate, std::size_t wavelength) const;
     void add_surface(int instance, double distance);  ///< of a sample that met a surface
     void add_sky();                                   ///< of a sample that did not
@@ -100,7 +101,6 @@ class PixelExposure {
     std::uint32_t votes_ = 0;
 
     void vote(std::int32_t instance);
-    bool is_open(std::size_t wavelength) const;  // for any replicate
     double noise_of_differences(std::size_t wavelength, const std::array<double, 7>& C,
                                 double norm) const;
 };
