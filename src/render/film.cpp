@@ -144,7 +144,8 @@ void derive(const Light<Reals>& light, std::size_t at, float* const* rows) {
 
 Stokes<double> held_physical(const Stokes<double>& S, double noise) {
     constexpr double kRoundings = 1e-5, kFloat = 0x1p-22;
-    const double polarized = std::hypot(S.s1, S.s2, S.s3), most = (1 - kFloat) * S.s0;
+    const double polarized = std::sqrt(sqr(S.s1) + sqr(S.s2) + sqr(S.s3)),
+                 most = (1 - kFloat) * S.s0;
     if (polarized <= most || polarized > (1 + kRoundings) * S.s0 + noise) return S;
     if (S.s0 <= 0) return {};
     const double shrink = most / polarized;

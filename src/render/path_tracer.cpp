@@ -10,28 +10,23 @@ enum Dimension { kSky1, kSky2, kSurface1, kSurface2, kLobe, kOther1, kOther2 };
 // The last two are the point in the pixel in the first block, and in the next ones the point on the
 // sun's disc for the vertex before.
 
-// Reflections of light from directions, and what is left of them to shade.
-struct Directions {
-    ReflectionOf<Reals> geometry;
-    Bounces bounces;
-};
 TurnOf<Lanes> lanes_of(const TurnOf<Reals>& turn) {
     return {real<Lanes>(turn.cos2), real<Lanes>(turn.sin2)};
 }
-// Light from wi, in fixed_frame(wi) or unpolarized, to the frame at.toward; `weight` without the
-// cosine. Lanes not in `lit` bring none.
+// Light from wi, in fixed_frame(wi) or unpolarized, to the frame at.toward: what is left of it to shade goes
+// to `bounces`. `weight` without the cosine. Lanes not in `lit` bring none.
 template <class Meeting>
-Directions directions(const Meeting& at, const Vec3s& wi, const Reals& weight, unsigned lit) {
+ReflectionOf<Reals> reflect(const Meeting& at, const Vec3s& wi, const Reals& weight, unsigned lit,
+                            Bounces& bounces) {
     const Mask used = mask_of(lit);
     const Vec3s w = select(used, wi, at.hit.n);  // any sound direction
-    Directions to;
-    to.geometry = reflection(at.hit.n, w, at.wo);
-    to.bounces.facet = facet_geometry<Lanes>(at.attenuated, to.geometry,
-                                             select(used, to.geometry.cos_i * weight, Reals(0.0)));
-    to.bounces.in = lanes_of(turn_between(fixed_frame_above(w), to.geometry.in));
-    to.bounces.out = lanes_of(turn_between(to.geometry.out, at.toward));
-    to.bounces.lit = lit;
-    return to;
+    const ReflectionOf<Reals> geometry = reflection(at.hit.n, w, at.wo);
+    bounces.facet = facet_geometry<Lanes>(at.attenuated, geometry,
+                                          select(used, geometry.cos_i * weight, Reals(0.0)));
+    bounces.in = lanes_of(turn_between(fixed_frame_above(w), geometry.in));
+    bounces.out = lanes_of(turn_between(geometry.out, at.toward));
+    bounces.lit = lit;
+    return geometry;
 }
 
 Reals inverse(const Reals& pdf) {
@@ -58,15 +53,12 @@ struct PathTracer::Meeting {
     Hits hit;
     Vec3s wo;
     BeamFrames toward;
-    std::array<Reals, kLobe + 1> u;  // numbers of the directions drawn
-    const SkyDensity* by_light;      // draws those to the sky that the lobes do not
-    // By the sky's brightness, to the sun, and by the surfaces' lobes; densities of the latter.
+    // Directions by the sky's brightness, to the sun, and by the surfaces' lobes, and their densities.
     SkySamples sky;
     Vec3s sun, onward;
-    Reals sky_by_surface, sun_by_surface, onward_by_surface;
+    Reals sky_by_surface, sun_by_surface, onward_by_surface, onward_by_light;
     unsigned onward_drawn;  // lanes where it leads above the surface
-    SkyLights onward_lights;
-    bool open = false;  // is it wanted, too, what an open sky would bring?
+    bool open = false;      // is it wanted, too, what an open sky would bring?
 };
 
 PathTracer::PathTracer(const PreparedScene::Impl& scene, const Camera& camera,
@@ -103,7 +95,8 @@ void PathTracer::trace(int pixel_x, int pixel_y, std::uint32_t first, std::uint3
             vertices.surface = at.surface;
             if (depth == 1 && open.table) find_spots(at, *open.table, pixel_x, pixel_y, paths);
             at.open = vertices.open = depth == 1 && open.table && paths.knows_sky(i / kSide);
-            draw(depth, at, paths, depth == 1 && open.toward ? *open.toward : scene_.sky.density());
+            draw(depth, at, paths, depth == 1 && open.toward ? *open.toward : scene_.sky.density(),
+                 vertices);
             sample_lights(at, paths, vertices);
             go_on(depth, at, paths, vertices);
         }
@@ -187,30 +180,31 @@ PathTracer::Meeting PathTracer::meet(int depth, std::size_t first, Paths& paths)
     return at;
 }
 
-// Directions of light, each with its density by the surfaces' lobes.
-void PathTracer::draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light) const {
+// Directions of light, each with its densities. `by_light` draws those to the sky that the lobes do not.
+void PathTracer::draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light,
+                      Vertices& vertices) const {
     const auto block = static_cast<std::uint32_t>(depth - 1);
-    at.u = points<0, kLobe + 1>(paths.places(at.path, block));
-    at.by_light = &by_light;
-    at.sky = sample_sky(scene_.sky, by_light, at.u[kSky1], at.u[kSky2]);
+    const auto u = points<0, kLobe + 1>(paths.places(at.path, block));
+    at.sky = sample_sky(scene_.sky, by_light, u[kSky1], u[kSky2], vertices.sky_sample_light);
     at.sun = at.hit.n;
     if (scene_.sun.present()) {
         const auto v = points<kOther1, 2>(paths.places(at.path, block + 1));
         at.sun = scene_.sun.sample(v[0], v[1]);
     }
-    at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = Reals(0.0);
-    at.onward_drawn = 0;
-    draw_by_surface(at, kAllLanes);
+    draw_by_surface(at, u[kLobe], u[kSurface1], u[kSurface2]);
+    at.onward_by_light =
+        locate(scene_.sky, by_light, at.onward, at.onward_drawn, vertices.onward_light);
 }
 
-// What the numbers u draw by the surfaces' lobes in some lanes, and the densities of all directions by
-// them.
-void PathTracer::draw_by_surface(Meeting& at, unsigned wanted) const {
+// A direction by the surfaces' lobes, and the densities of all directions by them.
+void PathTracer::draw_by_surface(Meeting& at, const Reals& lobe, const Reals& u1,
+                                 const Reals& u2) const {
     const BasisOf<Reals> basis(at.hit.n, at.wo);
     const Vec3s wo = basis.to_local(at.wo);
     const Vec3s sky = basis.to_local(at.sky.w), sun = basis.to_local(at.sun);
     Vec3s onward(Vec3{0, 0, 1});
     const Reals zero(0.0);
+    at.sky_by_surface = at.sun_by_surface = at.onward_by_surface = zero;
     for_each_value(at.surface, [&](int surface, unsigned lanes) {
         const DirectionSampler& directions =
             scene_.surfaces[static_cast<std::size_t>(surface)].directions();
@@ -218,10 +212,9 @@ void PathTracer::draw_by_surface(Meeting& at, unsigned wanted) const {
             at.live &= ~lanes;
             return;
         }
-        if (!(lanes & wanted)) return;
-        const Mask here = mask_of(lanes & wanted);
+        const Mask here = mask_of(lanes);
         const DirectionSampler::View<Reals> lobes(directions, wo);
-        const Vec3s local = lobes.sample(at.u[kLobe], at.u[kSurface1], at.u[kSurface2]);
+        const Vec3s local = lobes.sample(lobe, u1, u2);
         onward = select(here, local, onward);
         at.sky_by_surface = select(here, lobes.pdf(sky), at.sky_by_surface);
         at.onward_by_surface = select(here, lobes.pdf(local), at.onward_by_surface);
@@ -229,12 +222,8 @@ void PathTracer::draw_by_surface(Meeting& at, unsigned wanted) const {
             at.sun_by_surface = select(here, lobes.pdf(sun), at.sun_by_surface);
     });
     // Facets that point it underground reflect none.
-    const unsigned drawn =
-        at.live & wanted & bits((onward.z > zero) && (at.onward_by_surface > zero));
-    at.onward_drawn = (at.onward_drawn & ~wanted) | drawn;
-    at.onward = select(mask_of(wanted), select(mask_of(drawn), basis.to_world(onward), at.hit.n),
-                       at.onward);
-    at.onward_lights = locate(scene_.sky, *at.by_light, at.onward, at.onward_drawn);
+    at.onward_drawn = at.live & bits((onward.z > zero) && (at.onward_by_surface > zero));
+    at.onward = select(mask_of(at.onward_drawn), basis.to_world(onward), at.hit.n);
 }
 
 // The lanes in `wanted` that light from w reaches.
@@ -251,25 +240,19 @@ unsigned PathTracer::sees(const Meeting& at, const Vec3s& w, unsigned wanted, Co
 // Light from the directions drawn by the sky's brightness and from the sun.
 void PathTracer::sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const {
     const Reals zero(0.0);
-    const unsigned drawn = bits(at.sky.lights.pdf > zero);
+    const unsigned drawn = bits(at.sky.pdf > zero);
     vertices.sky_sample_seen = sees(at, at.sky.w, drawn, Company::kAlone, paths);
-    vertices.sky_sample_light = at.sky.lights.at;
     const unsigned lit =
         at.open ? at.live & drawn & bits(dot(at.sky.w, at.hit.n) > zero) : vertices.sky_sample_seen;
     if (lit)
-        vertices.sky_sample =
-            directions(at, at.sky.w,
-                       light_weight(at.sky.lights.pdf, at.sky_by_surface, Lighting::kLightSamples),
-                       lit)
-                .bounces;
+        reflect(at, at.sky.w, light_weight(at.sky.pdf, at.sky_by_surface, Lighting::kLightSamples),
+                lit, vertices.sky_sample);
     if (!scene_.sun.present()) return;
     const unsigned seen = sees(at, at.sun, bits(at.sun.y >= zero), Company::kClose, paths);
     if (!seen) return;
-    vertices.sun_sample =
-        directions(
-            at, at.sun,
-            light_weight(Reals(scene_.sun.pdf()), at.sun_by_surface, Lighting::kLightSamples), seen)
-            .bounces;
+    reflect(at, at.sun,
+            light_weight(Reals(scene_.sun.pdf()), at.sun_by_surface, Lighting::kLightSamples), seen,
+            vertices.sun_sample);
 }
 
 // Follows the directions drawn by the surfaces' lobes: to the sky, or to the next vertices.
@@ -288,13 +271,12 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
     const unsigned seen = free & ~hit & ~blocked;
 
     vertices.onward_seen = seen;
-    vertices.onward_light = at.onward_lights.at;
     const Reals weight =
-        light_weight(at.onward_lights.pdf, at.onward_by_surface, Lighting::kSurfaceSamples);
+        light_weight(at.onward_by_light, at.onward_by_surface, Lighting::kSurfaceSamples);
     const Mask to_surface = mask_of(hit), to_sky = mask_of(seen);
-    const Directions onward =
-        directions(at, wi, select(to_surface, inverse(at.onward_by_surface), weight), seen | hit);
-    vertices.onward = onward.bounces;
+    const ReflectionOf<Reals> onward =
+        reflect(at, wi, select(to_surface, inverse(at.onward_by_surface), weight), seen | hit,
+                vertices.onward);
     const auto in_facet_frame = lanes_mask_of(hit);  // as the next vertex's light is
     vertices.onward.in.cos2 = select(in_facet_frame, Lanes(1.f), vertices.onward.in.cos2);
     vertices.onward.in.sin2 = select(in_facet_frame, Lanes(0.f), vertices.onward.in.sin2);
@@ -308,9 +290,9 @@ void PathTracer::go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices)
             zero));
     if (at.open) {
         const unsigned behind = at.onward_drawn & ~seen & bits(wi.y >= zero);
-        if (behind) vertices.behind = directions(at, wi, weight, behind).bounces;
+        if (behind) reflect(at, wi, weight, behind, vertices.behind);
     }
-    vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.geometry.in.x, met);
+    vertices.next = paths.arrive(depth + 1, hit, at.path, wi, onward.in.x, met);
 }
 
 // Where first vertices lie in the table.
@@ -341,22 +323,20 @@ void PathTracer::sample_open(const SkyNode& node, std::uint32_t sample, Paths& p
         at.hit.n = at.hit.ng = Vec3s(node.n);
         at.wo = Vec3s(node.wo);
         at.toward = {at.wo, Vec3s(node.toward.x)};
-        draw(1, at, paths, scene_.sky.density());
         Vertices& vertices = paths.level(1).vertices.emplace_back();
+        draw(1, at, paths, scene_.sky.density(), vertices);
         vertices.surface = at.surface;
         vertices.next.fill(-1);
-        const auto reflected = [&](const Vec3s& w, const SkyLights& lights, const Reals& by_surface,
-                                   unsigned drawn) {
+        const auto reflected = [&](const Vec3s& w, const Reals& by_light, const Reals& by_surface,
+                                   unsigned drawn, Bounces& bounces) {
             const unsigned lit = at.live & drawn & bits((dot(w, at.hit.n) > zero) && (w.y >= zero));
-            return directions(at, w, inverse(lights.pdf + by_surface), lit).bounces;
+            reflect(at, w, inverse(by_light + by_surface), lit, bounces);
         };
-        vertices.onward_light = at.onward_lights.at;
-        vertices.onward =
-            reflected(at.onward, at.onward_lights, at.onward_by_surface, at.onward_drawn);
+        reflected(at.onward, at.onward_by_light, at.onward_by_surface, at.onward_drawn,
+                  vertices.onward);
         vertices.onward_seen = vertices.onward.lit;
-        vertices.sky_sample_light = at.sky.lights.at;
-        vertices.sky_sample =
-            reflected(at.sky.w, at.sky.lights, at.sky_by_surface, bits(at.sky.lights.pdf > zero));
+        reflected(at.sky.w, at.sky.pdf, at.sky_by_surface, bits(at.sky.pdf > zero),
+                  vertices.sky_sample);
         for (std::size_t i = 0; i < used; ++i)
             paths.first_vertex_[first + i] = static_cast<int>(first + i);
     }

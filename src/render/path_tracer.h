@@ -44,22 +44,22 @@ struct Vertices {
     Vertices() {}
     std::array<int, kSide> surface;  ///< index into the scene's
     Bounces sky_sample;              ///< directions drawn by the sky's brightness
-    std::array<SkyLookup, kSide> sky_sample_light;
+    SkyLookups sky_sample_light;
     unsigned sky_sample_seen = 0;  ///< lanes whose light arrives; an open sky would light all
     Bounces sun_sample;            ///< directions to the sun's disc
     Bounces onward;                ///< directions drawn by the surfaces' lobes
-    std::array<SkyLookup, kSide> onward_light;  ///< where they meet the sky, or would
-    unsigned onward_seen = 0;                   ///< lanes where they meet it
-    Lanes onward_sun;             ///< weight of the sun's light there, in onward.facet.weight
-    unsigned meets_sun = 0;       ///< lanes with such a weight
-    std::array<int, kSide> next;  ///< or the vertex of the next level they lead to; −1: none
-    bool open = false;            ///< is it wanted, too, what an open sky would bring? Then:
-    Bounces behind;               ///< onward, from the sky behind what is in its way
+    SkyLookups onward_light;       ///< where they meet the sky, or would
+    unsigned onward_seen = 0;      ///< lanes where they meet it
+    Lanes onward_sun;              ///< weight of the sun's light there, in onward.facet.weight
+    unsigned meets_sun = 0;        ///< lanes with such a weight
+    std::array<int, kSide> next;   ///< or the vertex of the next level they lead to; −1: none
+    bool open = false;             ///< is it wanted, too, what an open sky would bring? Then:
+    Bounces behind;                ///< onward, from the sky behind what is in its way
 };
 
 /// What the detector sees along rays, before any surface.
 struct Views {
-    std::array<SkyLookup, kSide> sky;  ///< of the dome; black where a surface is
+    SkyLookups sky;  ///< of the dome; black where a surface is
     TurnOf<Lanes> turn;
     unsigned surface;             ///< lanes that meet one
     unsigned sun;                 ///< lanes that see the disc
@@ -183,8 +183,9 @@ class PathTracer {
     void look_through(int pixel_x, int pixel_y, Paths& paths) const;
     Meeting meet(int depth, std::size_t first, Paths& paths) const;
     unsigned attenuated(const std::array<int, kSide>& surface) const;
-    void draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light) const;
-    void draw_by_surface(Meeting& at, unsigned wanted) const;
+    void draw(int depth, Meeting& at, Paths& paths, const SkyDensity& by_light,
+              Vertices& vertices) const;
+    void draw_by_surface(Meeting& at, const Reals& lobe, const Reals& u1, const Reals& u2) const;
     void sample_lights(Meeting& at, Paths& paths, Vertices& vertices) const;
     void go_on(int depth, Meeting& at, Paths& paths, Vertices& vertices) const;
     unsigned sees(const Meeting& at, const Vec3s& w, unsigned wanted, Company company,

@@ -295,7 +295,7 @@ class Job {
         const Paths& paths = worker.paths;
         const std::size_t W = exposure().wavelengths_nm.size(), R = exposure().replicates;
         paths.light(sample, W, worker.S.data());
-        const bool open = worker.pixel.is_open() && worker.open.find(paths, sample);
+        const bool open = table_ && worker.pixel.is_open() && worker.open.find(paths, sample);
         if (open) worker.open.subtract(paths, sample);
         if (!worker.pixel.add_all(worker.S.data(), open ? worker.open.light() : nullptr))
             for (std::size_t r = 0; r < R; ++r) add_one(x, y, r, open, worker);

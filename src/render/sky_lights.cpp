@@ -7,7 +7,7 @@ namespace {
 
 // The grid's nodes around points of the dome, as EqualAreaSky::lookup() has them.
 void look_up(const EqualAreaSky& grid, const DomePointOf<Reals>& p, unsigned wanted,
-             std::array<SkyLookup, kSide>& at) {
+             SkyLookups& at) {
     const GridPlaceOf<Reals> place = place_on_grid(to_square(p), grid.cells());
     const auto first = stored(grid.first_node(place));
     std::array<std::array<float, kSide>, 4> weight;
@@ -22,45 +22,43 @@ void look_up(const EqualAreaSky& grid, const DomePointOf<Reals>& p, unsigned wan
 
 }  // namespace
 
-SkyLights locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w,
-                 unsigned wanted) {
+Reals locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w, unsigned wanted,
+             SkyLookups& at) {
     const auto above = w.y >= Reals(0.0);
     wanted &= bits(above);
     const Vec3s up = select(above, w, Vec3s(Vec3{0, 1, 0}));
     const DomePointOf<Reals> p = dome_point(up, sky.dome().first_azimuth());
-    SkyLights lights;
     if (sky.grid()) {
-        look_up(*sky.grid(), p, wanted, lights.at);
+        look_up(*sky.grid(), p, wanted, at);
     } else {
         const auto directions = stored(up);
         for (std::size_t i = 0; i < kSide; ++i)
-            lights.at[i] = wanted >> i & 1 ? sky.dome().locate(directions[i]) : SkyLookup{};
+            at[i] = wanted >> i & 1 ? sky.dome().locate(directions[i]) : SkyLookup{};
     }
     const auto t = stored(p.t), azimuth = stored(p.azimuth);
-    lights.pdf = lanewise<Reals>([&](std::size_t i) {
+    return lanewise<Reals>([&](std::size_t i) {
         return wanted >> i & 1 ? by_light.pdf({t[i], azimuth[i]}) : 0;
     });
-    return lights;
 }
 
 SkySamples sample_sky(const SkyEmitter& sky, const SkyDensity& by_light, const Reals& u1,
-                      const Reals& u2) {
-    SkySamples samples;
-    if (by_light.dark()) return {Vec3s(Vec3{0, 1, 0}), {{}, Reals(0.0)}};
+                      const Reals& u2, SkyLookups& at) {
+    if (by_light.dark()) {
+        at = {};
+        return {Vec3s(Vec3{0, 1, 0}), Reals(0.0)};
+    }
     const auto draws = by_light.draws(stored(u1), stored(u2));
     const DomePointOf<Reals> p{
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.t; }),
         lanewise<Reals>([&](std::size_t i) { return draws[i].point.azimuth; })};
-    samples.w = direction_of(p, sky.dome().first_azimuth());
-    samples.lights.pdf = lanewise<Reals>([&](std::size_t i) { return draws[i].pdf; });
+    const Vec3s w = direction_of(p, sky.dome().first_azimuth());
     if (sky.grid()) {
-        look_up(*sky.grid(), p, kAllLanes, samples.lights.at);
+        look_up(*sky.grid(), p, kAllLanes, at);
     } else {
-        const auto directions = stored(samples.w);
-        for (std::size_t i = 0; i < kSide; ++i)
-            samples.lights.at[i] = sky.dome().locate(directions[i]);
+        const auto directions = stored(w);
+        for (std::size_t i = 0; i < kSide; ++i) at[i] = sky.dome().locate(directions[i]);
     }
-    return samples;
+    return {w, lanewise<Reals>([&](std::size_t i) { return draws[i].pdf; })};
 }
 
 }  // namespace malus

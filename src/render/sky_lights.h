@@ -7,23 +7,21 @@
 
 namespace malus {
 
-/// Where directions lie on the sky.
-struct SkyLights {
-    std::array<SkyLookup, kSide> at;
-    Reals pdf;  ///< density of sample_sky() there, sr⁻¹
-};
+/// Where directions lie among the nodes of a sky.
+using SkyLookups = std::array<SkyLookup, kSide>;
 
-/// Of the lanes in `wanted`; others are black. Directions below the horizon are, too. `by_light`: what
-/// draws directions, the sky's own density or another, whose azimuths begin where the sky's do.
-SkyLights locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w,
-                 unsigned wanted);
+/// Where the directions in `wanted` lie goes to `at`; others are black there, and so are those below the
+/// horizon. Returns their density by `by_light`, sr⁻¹: the sky's own, or another that draws directions and whose
+/// azimuths begin where the sky's do.
+Reals locate(const SkyEmitter& sky, const SkyDensity& by_light, const Vec3s& w, unsigned wanted,
+             SkyLookups& at);
 
 struct SkySamples {
-    Vec3s w;  ///< upward, whatever the sky
-    SkyLights lights;
+    Vec3s w;    ///< upward, whatever the sky
+    Reals pdf;  ///< sr⁻¹; 0 where all is black
 };
-/// Directions drawn from two numbers in (0,1). pdf = 0 where all is black.
+/// Directions drawn from two numbers in (0,1); where they lie goes to `at`.
 SkySamples sample_sky(const SkyEmitter& sky, const SkyDensity& by_light, const Reals& u1,
-                      const Reals& u2);
+                      const Reals& u2, SkyLookups& at);
 
 }  // namespace malus
