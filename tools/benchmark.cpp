@@ -1,8 +1,9 @@
 // benchmark.cpp — the renderer beside a bare loop of the same Embree calls, in one run.
 //
 // Ratio   the rays of whole paths are kept (after one another, as the renderer traces them) and traced
-//         again by a loop that does nothing else, in one flat Embree scene. Both use the same threads.
-//         Times are the best of three rounds taken in turn, since machines are shared.
+//         again by a loop that does nothing else, in one flat Embree scene. Both use the same threads and
+//         trace as many rays. Each is the median of five rounds taken in turn, ratios that of the rounds'
+//         own, since machines are shared.
 // Error   of the scene that Mitsuba was timed with, at the size it was timed with and at 1 and 16
 //         wavelengths, and of open ground with a box: against a reference of another seed, over all
 //         pixels. The reference of the former has the sky table, without which it would take an hour; what
@@ -15,6 +16,7 @@
 #include <embree3/rtcore.h>
 #endif
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -31,8 +33,8 @@ using namespace malus;
 
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120, kRounds = 3, kBumpsSide = 512;
-constexpr std::uint32_t kSpp = 64;
+constexpr int kWidth = 160, kHeight = 120, kRounds = 5, kBumpsSide = 512;
+constexpr std::uint32_t kSpp = 64, kKept = 16;  // samples rendered, and those whose rays are kept
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -107,7 +109,7 @@ class BareScene {
     std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-// The rays of sixteen samples of every pixel.
+// The rays of kKept samples of every pixel.
 std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& camera,
                                    const RenderSettings& settings) {
     std::vector<TracedRay> rays;
@@ -119,27 +121,31 @@ std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& cam
             const auto pixel = static_cast<std::uint64_t>(y * settings.width + x);
             const Sampler replicate(settings.seed, pixel, 0);
             paths.begin({&replicate, 1});
-            tracer.trace(x, y, 0, 16, paths);
+            tracer.trace(x, y, 0, kKept, paths);
         }
     return rays;
 }
 
+// Traces all rays kSpp / kKept times, by some at a time for each thread that is free.
 double bare_rays_per_s(const BareScene& bare, const std::vector<TracedRay>& rays, int threads) {
-    const auto count = static_cast<std::size_t>(threads);
-    std::vector<std::size_t> met(count, 0);
+    constexpr std::size_t kChunk = 4096, kTimes = kSpp / kKept;
+    const std::size_t chunks = (rays.size() + kChunk - 1) / kChunk;
+    std::atomic<std::size_t> next = 0, met = 0;
+    const auto work = [&] {
+        std::size_t here = 0;
+        for (std::size_t i = next++; i < kTimes * chunks; i = next++) {
+            const std::size_t from = i % chunks * kChunk;
+            here += bare.trace(&rays[from], std::min(kChunk, rays.size() - from));
+        }
+        met += here;
+    };
     const double start = now();
     std::vector<std::thread> workers;
-    for (std::size_t t = 0; t < count; ++t)
-        workers.emplace_back([&, t] {
-            const std::size_t from = rays.size() * t / count, to = rays.size() * (t + 1) / count;
-            met[t] = bare.trace(&rays[from], to - from);
-        });
+    for (int t = 0; t < threads; ++t) workers.emplace_back(work);
     for (std::thread& worker : workers) worker.join();
     const double seconds = now() - start;
-    std::size_t sum = 0;
-    for (std::size_t m : met) sum += m;
-    if (sum == 0) std::printf("no ray met anything\n");
-    return static_cast<double>(rays.size()) / seconds;
+    if (met == 0) std::printf("no ray met anything\n");
+    return static_cast<double>(kTimes * rays.size()) / seconds;
 }
 
 std::vector<double> spread(std::size_t count) {
@@ -161,6 +167,11 @@ Sky sky_for(const BenchmarkScene& scene, const std::vector<double>& nm) {
     return scene.max_depth == 3 ? even_sky(nm) : make_clear_sky({}, nm, 45, 180);
 }
 
+double median(std::vector<double>& x) {
+    std::nth_element(x.begin(), x.begin() + std::ssize(x) / 2, x.end());
+    return x[x.size() / 2];
+}
+
 // One line of the table.
 void measure(const BenchmarkScene& of, std::size_t wavelengths, int threads) {
     const std::vector<double> nm = spread(wavelengths);
@@ -174,31 +185,26 @@ void measure(const BenchmarkScene& of, std::size_t wavelengths, int threads) {
     settings.width = kWidth, settings.height = kHeight, settings.spp = kSpp;
     const std::vector<TracedRay> rays = gather_rays(prepared, camera, settings);
     const BareScene bare(of.scene, prepared.impl().accel.center());
-    double best_bare = 0;
-    std::array<double, 2> best_seconds{HUGE_VAL, HUGE_VAL};  // without, with the sky table
-    std::array<RenderResult, 2> results;
+    std::vector<double> bare_speed, speed, samples_per_s, ratio, table_time;
     for (int round = 0; round < kRounds; ++round) {
-        best_bare = std::max(best_bare, bare_rays_per_s(bare, rays, threads));
-        for (std::size_t table : {0u, 1u}) {
+        bare_speed.push_back(bare_rays_per_s(bare, rays, threads));
+        std::array<double, 2> seconds;  // without, with the sky table
+        RenderResult result;
+        for (std::size_t table : {1u, 0u}) {
             settings.sky_table = table == 1;
             const double begin = now();
-            results[table] = render(prepared, camera, settings);
-            best_seconds[table] = std::min(best_seconds[table], now() - begin);
+            result = render(prepared, camera, settings);
+            seconds[table] = now() - begin;
         }
+        speed.push_back(static_cast<double>(result.rays) / seconds[0]);
+        samples_per_s.push_back(static_cast<double>(result.paths) / seconds[0]);
+        ratio.push_back(speed.back() / bare_speed.back());
+        table_time.push_back(seconds[1] / seconds[0]);
     }
-    const auto rays_per_s = [&](std::size_t table) {
-        return static_cast<double>(results[table].rays) / best_seconds[table];
-    };
-    const double samples_per_s = static_cast<double>(results[0].paths) / best_seconds[0];
     std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f |\n", of.name.c_str(),
-                wavelengths, samples_per_s / 1e6, rays_per_s(0) / 1e6, best_bare / 1e6,
-                rays_per_s(0) / best_bare, best_seconds[1] / best_seconds[0], 1e3 * build);
+                wavelengths, median(samples_per_s) / 1e6, median(speed) / 1e6,
+                median(bare_speed) / 1e6, median(ratio), median(table_time), 1e3 * build);
     std::fflush(stdout);
-}
-
-double median(std::vector<double>& x) {
-    std::nth_element(x.begin(), x.begin() + std::ssize(x) / 2, x.end());
-    return x[x.size() / 2];
 }
 
 struct Errors {
