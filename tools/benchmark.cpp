@@ -126,7 +126,7 @@ std::vector<TracedRay> gather_rays(const PreparedScene& scene, const Camera& cam
     return rays;
 }
 
-// Traces all rays kSpp / kKept times, by some at a time for each thread that is free.
+// Traces all rays kSpp / kKept times; a thread that is free takes the next some.
 double bare_rays_per_s(const BareScene& bare, const std::vector<TracedRay>& rays, int threads) {
     constexpr std::size_t kChunk = 4096, kTimes = kSpp / kKept;
     const std::size_t chunks = (rays.size() + kChunk - 1) / kChunk;
