@@ -114,6 +114,10 @@ class Paths {
         Met met;
         std::uint32_t path;
     };
+    // Of a path.
+    struct Number {
+        std::uint32_t replicate, sample;
+    };
     // Vertices of one depth and what leaves them.
     struct Level {
         std::vector<Arrival> arrivals;
@@ -140,8 +144,8 @@ class Paths {
     std::vector<Sampler> samplers_;
     std::vector<std::uint32_t> blocks_;  // in use with this pixel
     std::vector<Scramble> scrambles_;    // [of blocks_][replicate]
-    std::uint32_t first_sample_ = 0;
     std::size_t size_ = 0;
+    std::vector<Number> numbers_;                     // by path
     std::vector<int> first_vertex_, first_instance_;  // by path, −1: none
     std::vector<double> first_distance_;
     std::vector<std::array<double, 2>> place_;  // by path: in the picture

@@ -13,8 +13,11 @@ void Paths::begin(std::span<const Sampler> samplers) {
 }
 
 void Paths::start(std::uint32_t first, std::uint32_t count, std::size_t depths) {
-    first_sample_ = first;
     size_ = count * replicates();
+    numbers_.clear();
+    for (std::uint32_t sample = first; sample < first + count; ++sample)
+        for (std::uint32_t replicate = 0; replicate < replicates(); ++replicate)
+            numbers_.push_back({replicate, sample});
     first_vertex_.assign(size_, -1);
     first_instance_.assign(size_, -1);
     first_distance_.assign(size_, 0);
@@ -56,11 +59,11 @@ const Scramble* Paths::scrambles(std::uint32_t block) {
 
 PointPlaces Paths::places(const std::array<std::uint32_t, kSide>& path, std::uint32_t block) {
     const Scramble* own = scrambles(block);
-    const auto R = static_cast<std::uint32_t>(replicates());
     PointPlaces places;
     for (std::size_t i = 0; i < kSide; ++i) {
-        places.scramble[i] = own + path[i] % R;
-        places.sample[i] = first_sample_ + path[i] / R;
+        const auto& [replicate, sample] = numbers_[path[i]];
+        places.scramble[i] = own + replicate;
+        places.sample[i] = sample;
     }
     return places;
 }
