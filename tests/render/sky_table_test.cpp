@@ -36,6 +36,20 @@ PreparedScene scene_of(Scene scene, const Material& paint) {
                          sample_sky(smooth_sky(), kThree, 180, 720), kThree);
 }
 
+// As shipped, with the camera it has, under a clear sky.
+struct Target {
+    Camera camera;
+    PreparedScene scene;
+};
+Target target_a(const std::vector<double>& nm) {
+    Scene scene = read_gltf(MALUS_SOURCE_DIR "/scenes/target_a.glb");
+    const std::vector<Material> paints{green_paint(), black_paint()};
+    const std::vector<int> of = assign_paints(scene, {}, paints);
+    const Camera camera = scene.cameras.at(0);
+    return {camera, PreparedScene(std::move(scene), of, paints,
+                                  read_sky(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr"), nm)};
+}
+
 double median(std::vector<double> x) {
     std::nth_element(x.begin(), x.begin() + std::ssize(x) / 2, x.end());
     return x[x.size() / 2];
@@ -163,13 +177,7 @@ TEST_CASE("Sky table: few samples that miss hidden light do not claim to know", 
 TEST_CASE("Sky table: errors stay below the light where a narrow lobe ends", "[render]") {
     // Green paint at 550 nm reflects no light but by its lobe, whose ends are 1e4 to 1e30 times darker than
     // the pixels around. An error above three times S0 leaves nothing known of DoLP either.
-    Scene target = read_gltf(MALUS_SOURCE_DIR "/scenes/target_a.glb");
-    const std::vector<Material> paints{green_paint(), black_paint()};
-    const std::vector<int> of = assign_paints(target, {}, paints);
-    const Camera camera = target.cameras.at(0);
-    const std::vector<double> two{440, 550};
-    const PreparedScene scene(std::move(target), of, paints,
-                              read_sky(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr"), two);
+    const auto [camera, scene] = target_a({440, 550});
     RenderSettings settings;
     settings.width = 160, settings.height = 120, settings.spp = 16;
     int unknown = 0, count = 0;
@@ -187,13 +195,7 @@ TEST_CASE("Sky table: errors stay below the light where a narrow lobe ends", "[r
 }
 
 TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[render]") {
-    Scene target = read_gltf(MALUS_SOURCE_DIR "/scenes/target_a.glb");
-    const std::vector<Material> paints{green_paint(), black_paint()};
-    const std::vector<int> of = assign_paints(target, {}, paints);
-    const Camera camera = target.cameras.at(0);
-    const std::vector<double> two{440, 600};
-    const PreparedScene scene(std::move(target), of, paints,
-                              read_sky(MALUS_SOURCE_DIR "/skies/rayleigh_60.exr"), two);
+    const auto [camera, scene] = target_a({440, 600});
     RenderSettings settings;
     settings.width = 40, settings.height = 30, settings.spp = 16;
     // What other surfaces reflect at grazing angles has no bounded variance, and nothing to do with
