@@ -114,6 +114,7 @@ class SlopeGuesses {
     static constexpr std::size_t kNumbers = 64, kViews = 32;
     std::array<std::array<double, kNumbers + 1>, kViews + 1> slope_;
 };
+
 template <class R>
 Vector3<R> reflect(const Vector3<R>& wo, const Vector3<R>& h) {
     const R twice = dot(wo, h) + dot(wo, h);

@@ -54,8 +54,8 @@ struct Worker {
     std::vector<Sampler> samplers;  // one a replicate
     std::vector<float> S;           // of a sample of each replicate
     OpenLight open;
-    std::vector<std::vector<std::size_t>>
-        open_pixels;  // of a tile, [wavelength]: those that use the sky table
+    // Of a tile, [wavelength]: those that use the sky table.
+    std::vector<std::vector<std::size_t>> open_pixels;
     std::uint64_t samples = 0, refused = 0;
     std::vector<RefusedSample> first_refused;
 
@@ -132,7 +132,7 @@ class Job {
         for_each_pixel(tile, [&](int x, int y, std::size_t index) {
             load(x, y, index);
             pixel.develop(result_.film, index, table_ ? table_->error(x, y) : 0);
-            if (!table_ || !pixel.is_open() || result_.film.samples[index] == 0) return;
+            if (!table_ || result_.film.samples[index] == 0) return;
             for (std::size_t w = 0; w < worker.open_pixels.size(); ++w)
                 if (pixel.is_open(w)) worker.open_pixels[w].push_back(index);
         });

@@ -26,25 +26,25 @@ double trace(const Covariance& v) {
 }  // namespace
 
 void share_errors(std::span<const SharedError> pixels) {
-    // Of one sample, in units of light and in those of each pixel's own.
-    Covariance mean{}, relative{};
+    // Sums over neighbours, in light and in parts of each pixel's own.
+    Covariance sum{}, relative{};
     double lit = 0;
-    for (const SharedError& of : pixels)
-        if (of.pixel->mean.s0 > 0) ++lit;
     for (const SharedError& of : pixels) {
         const Covariance v = of_one_sample(of);
         const double S0 = of.pixel->mean.s0;
         for (std::size_t e = 0; e < v.size(); ++e) {
-            mean[e] += v[e] / static_cast<double>(pixels.size());
-            if (S0 > 0) relative[e] += v[e] / S0 / S0 / lit;
+            sum[e] += v[e];
+            if (S0 > 0) relative[e] += v[e] / S0 / S0;
         }
+        if (S0 > 0) ++lit;
     }
+    const double share = 1 / static_cast<double>(pixels.size());
     for (const SharedError& of : pixels) {
         const Covariance v = of_one_sample(of);
-        const double S0 = of.pixel->mean.s0, square = S0 * S0;
-        const bool dark = trace(mean) > square * trace(relative);
-        const Covariance& neighbours = dark ? relative : mean;
-        const double unit = dark ? square : 1;
+        const double own = lit > 0 ? sqr(of.pixel->mean.s0) / lit : 0;
+        const bool dark = own * trace(relative) < share * trace(sum);
+        const Covariance& neighbours = dark ? relative : sum;
+        const double unit = dark ? own : share;
         if (!(unit * trace(neighbours) > trace(v))) continue;
         for (std::size_t e = 0; e < v.size(); ++e)
             of.pixel->covariance[e] =
