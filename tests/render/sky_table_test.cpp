@@ -194,6 +194,30 @@ TEST_CASE("Sky table: errors stay below the light where a narrow lobe ends", "[r
     CHECK(unknown < 0.003 * count);
 }
 
+TEST_CASE("Sky table: where it is not used errors are those without it", "[render]") {
+    // Pixels that use it at one wavelength and not at the other, where their light is the very same.
+    const auto [camera, scene] = target_a({440, 550});
+    RenderSettings settings;
+    settings.width = 80, settings.height = 60, settings.spp = 16;
+    const Film with = render(scene, camera, settings).film;
+    settings.sky_table = false;
+    const Film without = render(scene, camera, settings).film;
+    const auto same = [&](std::size_t i, std::size_t w) {
+        const Stokes<double>&a = with.at(i, w).mean, &b = without.at(i, w).mean;
+        return a.s0 == b.s0 && a.s1 == b.s1 && a.s2 == b.s2 && a.s3 == b.s3;
+    };
+    int count = 0, other = 0;
+    for (std::size_t i = 0; i < with.pixel_count(); ++i) {
+        if (same(i, 0) || !same(i, 1)) continue;
+        other += with.at(i, 1).covariance != without.at(i, 1).covariance, ++count;
+    }
+    CAPTURE(count, other);
+    CHECK(count > 50);
+    // In 4 the sky's light is below the last digit of what they reflect of their surroundings: they use the
+    // table, and their light does not show it. 48 where all wavelengths share errors if one may.
+    CHECK(other < 10);
+}
+
 TEST_CASE("Sky table: over 200 seeds the mean picture is that without it", "[render]") {
     const auto [camera, scene] = target_a({440, 600});
     RenderSettings settings;
